@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The depth-mesh form of a tile: its samples as textured triangles in (u, v, disparity), cut at skins, with quads
+// merged by a quadtree wherever disparity is planar within a tolerance. Planes of the scene are exactly planar there.
+//
+// Based on: Wilson & Manocha 2003, section 4; quadtree merging after the disparity planes of design.md section 3.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/impostor/tile.h"
+
+namespace farfield {
+
+struct DepthMeshVertex {
+  float u = 0, v = 0;            // tangent coordinates on the face
+  float disparity = 0;           // 1/(cell side)
+  float column = 0, row = 0;     // texture position in samples, texel centres at +0.5
+};
+
+struct DepthMesh {
+  int face = 0;
+  int width = 0, height = 0;             // of the texture
+  std::vector<std::uint8_t> rgb;         // sRGB, 3 bytes per texel
+  std::vector<DepthMeshVertex> vertices;
+  std::vector<std::uint32_t> indices;    // three per triangle; both sides count as front
+};
+
+/// `tolerance`: largest |disparity| error merging may add, 1/(cell side); 0 keeps one quad per sample pair.
+/// No T-junctions within a tile: a large quad is fanned over all vertices its neighbours use on its border.
+/// Cut edges end at their recorded eighth, extrapolated in the plane of the surface they belong to.
+/// O(samples).
+DepthMesh build_depth_mesh(const Tile& tile, float tolerance);
+
+}  // namespace farfield

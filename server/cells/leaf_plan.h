@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a viewer standing in one leaf cell needs: the tiles of the leaf's and its ancestors' shells that some viewpoint
+// of the leaf can see, and the near geometry.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/cells/cell_id.h"
+#include "common/impostor/tile_id.h"
+
+namespace farfield {
+
+struct NeededTile {
+  TileId id;
+  float view_share = 0;  // of the sphere of directions seen from the leaf: what sending it first is worth
+};
+
+struct LeafPlan {
+  CellId leaf;
+  CellId root;                          // the last ancestor whose shell holds anything but background
+  std::vector<NeededTile> tiles;        // sorted by descending view_share within each shell, nearest shell first
+  std::vector<TileId> fallback_tiles;   // of the leaf's fallback view, same order
+  std::vector<std::uint32_t> chunks;    // indices into Scene::chunks(), sorted by ascending distance
+  std::uint32_t near_triangles = 0;     // of those chunks
+  bool exceeds_budget = false;          // at the finest side and still above the geometry budget
+  bool background_visible = false;      // some ray from the leaf escapes the scene
+  double seconds = 0;                   // thread seconds spent on visibility
+};
+
+/// Cooperative cancellation: set by whoever loses interest, polled by long work.
+using CancelFlag = std::shared_ptr<const std::atomic<bool>>;
+inline bool is_cancelled(const CancelFlag& flag) { return flag && flag->load(std::memory_order_relaxed); }
+
+/// The cell octree of one scene. Thread-safe; the answers depend on scene and settings only, never on who asked
+/// first. Both calls may cast some million rays (tens of milliseconds to a second) the first time a region is asked
+/// for, on the calling thread, and remember the result.
+class LeafSource {
+ public:
+  virtual ~LeafSource() = default;
+  /// The leaf that holds a viewpoint (scene frame). Errors: kCancelled.
+  virtual Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) = 0;
+  /// Requires: `leaf` came from leaf_at. Errors: kCancelled.
+  virtual Result<std::shared_ptr<const LeafPlan>> plan(const CellId& leaf, const CancelFlag& cancel) = 0;
+};
+
+}  // namespace farfield

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// The model made ready: triangles, materials, ray-tracing structure and chunks. Immutable; safe from any thread.
+//
+// Scene frame: metres relative to `origin()`, the world position chosen at load, so that float rays and the cell grid
+// are as exact at 10⁷ m as at 0. Everything below speaks scene frame unless it says world.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/geometry/chunk.h"
+#include "common/math/box.h"
+#include "server/model/model.h"
+#include "server/scene/ray_packet.h"
+
+namespace farfield {
+
+/// A placed mesh: one instance. Meshes used once (or small ones used rarely) are flattened: their vertices are stored
+/// in the scene frame and the transform is the identity.
+struct ScenePart {
+  std::uint32_t mesh = 0;                 // index into the scene's stored meshes
+  glm::mat4x3 scene_from_mesh{1};
+  Box bounds;
+};
+
+/// One placed chunk as near geometry sees it.
+struct SceneChunk {
+  ContentHash hash = 0;                   // of its encoded bytes: the same for all placements of an instanced mesh
+  std::uint32_t part = 0;
+  std::uint32_t stored_chunk = 0;         // index for encoded_chunk()
+  std::uint32_t triangles = 0;
+  Box bounds;
+  glm::vec3 cone_axis{0, 0, 1};           // normal cone: every triangle normal n has dot(n, axis) >= cone_cos
+  float cone_cos = -1;                    // -1: no useful cone
+  glm::dmat4x3 scene_from_chunk{1};       // chunk-relative metres to scene frame
+};
+
+struct SceneStatistics {
+  std::size_t drawn_triangles = 0, stored_triangles = 0, parts = 0, chunks = 0, textures = 0, materials = 0;
+  double build_seconds = 0;
+};
+
+class Scene {
+ public:
+  /// Takes the model's meshes over. Cost: O(n log n); Embree builds on all TBB workers of the calling arena.
+  static Result<std::shared_ptr<const Scene>> build(Model model);
+  ~Scene();
+
+  const std::string& name() const;
+  const glm::dvec3& origin() const;           // world position of the scene frame's zero
+  const Box& bounds() const;                  // scene frame
+  ContentHash hash() const;                   // of geometry, materials and textures: part of every cache key
+  const SceneStatistics& statistics() const;
+  glm::u8vec3 background() const;             // sRGB
+
+  // ── rays ──
+  /// First hits of sixteen coherent rays. Alpha-masked texels let rays through.
+  void intersect(const RayPacket& rays, HitPacket& hits) const;
+  /// The same without the coherent flag, for scattered rays.
+  void intersect_scattered(const RayPacket& rays, HitPacket& hits) const;
+  /// Bit i set: something lies between near and far on ray i.
+  std::uint32_t occluded(const RayPacket& rays) const;
+
+  // ── shading ──
+  /// Linear radiance of the active lanes that hit. `pixel_angle`: the tangent of the angle one sample covers, so its footprint is
+  /// pixel_angle × distance (for directions of any length: × |direction|), widened by the surface's inclination.
+  /// Writes rgb[3·lane + channel]; lanes without a hit are untouched.
+  void shade(const RayPacket& rays, const HitPacket& hits, float pixel_angle, float* rgb) const;
+
+  // ── chunks ──
+  std::span<const SceneChunk> chunks() const;
+  /// Index into chunks() of the chunk that holds this triangle of this part: the item buffer's key.
+  std::uint32_t chunk_of(std::uint32_t part, std::uint32_t primitive) const;
+  /// Indices of the chunks whose bounds meet `box`; O(log n + result).
+  std::vector<std::uint32_t> chunks_in(const Box& box) const;
+  /// Encoded bytes of a chunk (made at build or on first use, cached, thread-safe).
+  SharedBytes encoded_chunk(std::uint32_t chunk) const;
+  /// The decoded form, for renderers on this side (truth, baselines).
+  Chunk chunk_geometry(std::uint32_t chunk) const;
+
+  // ── textures ──
+  struct TextureInfo {
+    ContentHash hash = 0;
+    int width = 0, height = 0, level_count = 0;
+  };
+  std::span<const TextureInfo> textures() const;
+  TextureLevel texture_level(std::uint32_t texture, int level) const;
+  SharedBytes encoded_texture_level(std::uint32_t texture, int level) const;
+
+ private:
+  Scene();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace farfield
