@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Colour of a tile as JPEG 4:4:4 without its tables, which encoder and decoder both derive from the quality.
+#pragma once
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+
+namespace farfield {
+
+/// Replaces the colour of uncovered pixels by a smooth continuation of the covered ones (pull-push pyramid), so that
+/// they cost next to nothing and do not ring into what is seen. Sizes: rgb 3·w·h, coverage w·h.
+void fill_uncovered(std::vector<std::uint8_t>& rgb, const std::vector<std::uint8_t>& coverage, int width, int height);
+
+/// Requires: 1 <= quality <= 100, rgb holds 3·width·height bytes.
+Result<Bytes> encode_colour(ByteView rgb, int width, int height, int quality);
+/// Errors: kBadData if the stream is not a whole JPEG of exactly this size; warnings count as errors.
+Result<std::vector<std::uint8_t>> decode_colour(ByteView bytes, int width, int height, int quality);
+
+}  // namespace farfield

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Disparity of a tile, coded as planes to a guaranteed error.
+//
+// Planes of the scene are exactly planar in (u, v, 1/z), so most of a built scene is a few planes: a quadtree of nodes
+// of 32 … 4 samples holds one plane per connected surface; what no plane fits within the tolerance is coded sample by
+// sample in steps of twice the tolerance. Integer arithmetic throughout: every decoder gives the same floats.
+#pragma once
+
+#include "common/base/bytes.h"
+#include "common/impostor/tile.h"
+
+namespace farfield {
+
+/// Requires: coverage and cuts as decode_topology will return them, disparity >= 0, tolerance > 0.
+/// Guarantee: |decoded - tile.disparity| <= tile.disparity_tolerance for every covered sample.
+Bytes encode_disparity(const Tile& tile);
+/// Fills tile.disparity; coverage, cuts and disparity_tolerance are set. Any bytes give some finite disparities >= 0;
+/// uncovered samples get 0.
+void decode_disparity(ByteView bytes, Tile& tile);
+
+}  // namespace farfield

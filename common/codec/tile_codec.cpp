@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/codec/tile_codec.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/codec/colour_codec.h"
+#include "common/codec/coverage_codec.h"
+#include "common/codec/disparity_codec.h"
+#include "common/impostor/tile_neighbours.h"
+#include "common/math/cube_face.h"
+
+namespace farfield {
+namespace {
+
+constexpr std::uint16_t kMagic = 0x5446;  // "FT"
+constexpr std::uint8_t kVersion = 1;
+constexpr std::size_t kMaxBlocks = std::size_t{kRegionBlocks} * kRegionBlocks;
+
+// Certificates travel as half precision: they are measurements with two digits.
+std::uint16_t to_code(float value) { return value < 0 ? 0xffff : static_cast<std::uint16_t>(std::clamp(std::log2(value + 1e-9f) * 1000.0f + 32000.0f, 0.0f, 65534.0f)); }
+float from_code(std::uint16_t code) { return code == 0xffff ? -1.0f : std::exp2((static_cast<float>(code) - 32000.0f) / 1000.0f); }
+
+void put_header(ByteWriter& out, const Tile& tile, int quality) {
+  out.put(kMagic);
+  out.put(kVersion);
+  out.put(static_cast<std::uint8_t>(quality));
+  out.put(tile.id.cell.level);
+  out.put(tile.id.cell.x), out.put(tile.id.cell.y), out.put(tile.id.cell.z);
+  out.put(tile.id.view), out.put(tile.id.face), out.put(tile.id.x), out.put(tile.id.y);
+  out.put(static_cast<std::uint16_t>(tile.edge_samples));
+  for (int a = 0; a < 3; ++a) out.put(tile.view_offset[a]);
+  out.put(tile.disparity_tolerance);
+  const Certificate& c = tile.certificate;
+  for (const float value : {c.void_worst_sr, c.void_mean_sr, c.colour_psnr_db, c.warp_px}) out.put(to_code(value));
+}
+
+// Blocks are sorted by column, then row: gaps in that order are small and positive.
+void put_blocks(ByteWriter& out, const Tile& tile) {
+  out.put_varint(tile.blocks.size());
+  int previous = -1;
+  for (const BlockPlace& b : tile.blocks) {
+    const int place = b.x % kRegionBlocks * kRegionBlocks + b.y % kRegionBlocks;
+    out.put_varint(static_cast<std::uint64_t>(place - previous - 1));
+    previous = place;
+  }
+}
+
+Status get_blocks(ByteReader& in, Tile& tile) {
+  const std::uint64_t count = in.get_varint();
+  if (count == 0 || count > kMaxBlocks) return fail(ErrorCode::kBadData, "tile: {} packed blocks, at most {} fit", count, kMaxBlocks);
+  std::int64_t place = -1;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t gap = in.get_varint();
+    if (!in.ok() || gap >= kMaxBlocks) return fail(ErrorCode::kBadData, "tile: the list of packed blocks is damaged");
+    place += static_cast<std::int64_t>(gap) + 1;
+    if (place >= static_cast<std::int64_t>(kMaxBlocks)) return fail(ErrorCode::kBadData, "tile: a packed block lies outside its region");
+    tile.blocks.push_back({static_cast<std::uint16_t>(tile.id.x * kRegionBlocks + place / kRegionBlocks),
+                           static_cast<std::uint16_t>(tile.id.y * kRegionBlocks + place % kRegionBlocks)});
+  }
+  tile.width = packed_width(count);
+  tile.height = packed_height(count);
+  return {};
+}
+
+Status get_header(ByteReader& in, Tile& tile, int& quality, const TileLimits& limits) {
+  if (in.get<std::uint16_t>() != kMagic) return fail(ErrorCode::kBadData, "tile: these bytes are not a tile");
+  const int version = in.get<std::uint8_t>();
+  if (version != kVersion) return fail(ErrorCode::kVersionMismatch, "tile: format version {}, this program reads {}", version, int{kVersion});
+  quality = in.get<std::uint8_t>();
+  tile.id.cell.level = in.get<std::uint8_t>();
+  tile.id.cell.x = in.get<std::int32_t>(), tile.id.cell.y = in.get<std::int32_t>(), tile.id.cell.z = in.get<std::int32_t>();
+  tile.id.view = in.get<std::uint8_t>(), tile.id.face = in.get<std::uint8_t>();
+  tile.id.x = in.get<std::uint8_t>(), tile.id.y = in.get<std::uint8_t>();
+  tile.edge_samples = in.get<std::uint16_t>();
+  for (int a = 0; a < 3; ++a) tile.view_offset[a] = in.get<float>();
+  tile.disparity_tolerance = in.get<float>();
+  Certificate& c = tile.certificate;
+  for (float* value : {&c.void_worst_sr, &c.void_mean_sr, &c.colour_psnr_db, &c.warp_px}) *value = from_code(in.get<std::uint16_t>());
+  if (!in.ok()) return fail(ErrorCode::kBadData, "tile: cut off in its header");
+  if (tile.id.cell.level > kMaxCellLevel || tile.id.face >= kCubeFaces) return fail(ErrorCode::kBadData, "tile: no such cell or face");
+  if (tile.edge_samples < 4 || tile.edge_samples > limits.edge_samples)
+    return fail(ErrorCode::kLimitExceeded, "tile: a face of {} samples, at most {} are accepted", tile.edge_samples, limits.edge_samples);
+  const glm::vec3 offset = glm::abs(tile.view_offset);
+  // A view stands in its cell, so half a side from the centre at most (one float step of slack is far below 0.51).
+  if (!(offset.x <= 0.51f && offset.y <= 0.51f && offset.z <= 0.51f)) return fail(ErrorCode::kBadData, "tile: its view lies outside its cell");
+  if (!(tile.disparity_tolerance > 1e-12f && tile.disparity_tolerance < 1e3f)) return fail(ErrorCode::kBadData, "tile: impossible disparity tolerance");
+  return {};
+}
+
+}  // namespace
+
+Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBytes* accounting) {
+  ByteWriter out;
+  put_header(out, tile, encoding.jpeg_quality);
+  if (tile.is_packed()) put_blocks(out, tile);
+  Bytes topology = encode_topology(tile);
+  Bytes disparity = encode_disparity(tile);
+  std::vector<std::uint8_t> rgb = tile.rgb;
+  fill_uncovered(rgb, tile.coverage, tile.width, tile.height);
+  Result<Bytes> colour = encode_colour(rgb, tile.width, tile.height, encoding.jpeg_quality);
+  if (!colour) return tl::unexpected(colour.error());
+  const std::uint32_t covered = static_cast<std::uint32_t>(std::count(tile.coverage.begin(), tile.coverage.end(), 1));
+  out.put_varint(covered);
+  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &*colour}) out.put_varint(part->size());
+  const std::size_t other = out.size();
+  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &*colour}) out.put_bytes(*part);
+  if (accounting) {
+    *accounting = {static_cast<std::uint32_t>(colour->size()), static_cast<std::uint32_t>(disparity.size()),
+                   static_cast<std::uint32_t>(topology.size()), static_cast<std::uint32_t>(other), covered};
+  }
+  return out.take();
+}
+
+Result<Tile> decode_tile(ByteView bytes, const TileLimits& limits) {
+  if (bytes.size() > limits.encoded_bytes)
+    return fail(ErrorCode::kLimitExceeded, "tile: {} bytes, at most {} are accepted", bytes.size(), limits.encoded_bytes);
+  ByteReader in(bytes);
+  Tile tile;
+  int quality = 0;
+  if (Status status = get_header(in, tile, quality, limits); !status) return tl::unexpected(status.error());
+  if (tile.is_packed()) {
+    if (Status status = get_blocks(in, tile); !status) return tl::unexpected(status.error());
+  } else {
+    tile.width = tile.height = kTileSamples;
+    const int tiles = face_tiles(tile.edge_samples);
+    if (tile.id.x >= tiles || tile.id.y >= tiles) return fail(ErrorCode::kBadData, "tile: it lies outside its face");
+  }
+  in.get_varint();  // covered samples: for accounting
+  const std::uint64_t topology_size = in.get_varint(), disparity_size = in.get_varint(), colour_size = in.get_varint();
+  const ByteView topology = in.get_bytes(topology_size), disparity = in.get_bytes(disparity_size), colour = in.get_bytes(colour_size);
+  if (!in.ok() || in.remaining() != 0) return fail(ErrorCode::kBadData, "tile: its parts do not add up to its size");
+  Result<std::vector<std::uint8_t>> rgb = decode_colour(colour, tile.width, tile.height, quality);
+  if (!rgb) return tl::unexpected(rgb.error());
+  tile.rgb = std::move(*rgb);
+  decode_topology(topology, tile);
+  decode_disparity(disparity, tile);
+  return tile;
+}
+
+Result<TileBytes> inspect_tile(ByteView bytes) {
+  ByteReader in(bytes);
+  Tile tile;
+  int quality = 0;
+  if (Status status = get_header(in, tile, quality, {}); !status) return tl::unexpected(status.error());
+  if (tile.is_packed())
+    if (Status status = get_blocks(in, tile); !status) return tl::unexpected(status.error());
+  TileBytes result;
+  result.covered_samples = static_cast<std::uint32_t>(in.get_varint());
+  result.topology = static_cast<std::uint32_t>(in.get_varint());
+  result.disparity = static_cast<std::uint32_t>(in.get_varint());
+  result.colour = static_cast<std::uint32_t>(in.get_varint());
+  if (!in.ok()) return fail(ErrorCode::kBadData, "tile: cut off in its header");
+  result.other = static_cast<std::uint32_t>(bytes.size() - in.remaining());
+  return result;
+}
+
+}  // namespace farfield

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole tile to bytes and back. Format: common/codec/README.md.
+#pragma once
+
+#include "common/base/bytes.h"
+#include "common/base/result.h"
+#include "common/impostor/tile.h"
+
+namespace farfield {
+
+struct TileEncoding {
+  int jpeg_quality = 88;
+};
+
+/// Where the bytes of an encoded tile went.
+struct TileBytes {
+  std::uint32_t colour = 0, disparity = 0, topology = 0, other = 0;
+  std::uint32_t covered_samples = 0;
+};
+
+/// What a decoder accepts: nothing beyond is allocated.
+struct TileLimits {
+  int edge_samples = 8194;
+  std::size_t encoded_bytes = std::size_t{4} << 20;
+};
+
+/// Uncovered samples' colours are replaced by fill on a copy; disparity error <= tile.disparity_tolerance.
+/// Requires: arrays of the tile's size. Errors: kInternal (library).
+Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBytes* accounting = nullptr);
+
+/// Errors: kBadData, kVersionMismatch, kLimitExceeded. Safe on any bytes.
+Result<Tile> decode_tile(ByteView bytes, const TileLimits& limits = {});
+
+/// Reads the accounting of an encoded tile without decoding it.
+Result<TileBytes> inspect_tile(ByteView bytes);
+
+}  // namespace farfield

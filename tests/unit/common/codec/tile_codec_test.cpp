@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/codec/tile_codec.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "common/impostor/tile_neighbours.h"
+
+namespace farfield {
+namespace {
+
+// A slanted floor, a bright disc in front of it and a strip of nothing: every kind of edge a tile can have.
+Tile dense_tile(unsigned seed) {
+  Tile tile;
+  tile.id = {{3, 100, -7, 12}, kIntraView, 2, 1, 2};
+  tile.edge_samples = face_samples(4);
+  tile.width = tile.height = kTileSamples;
+  tile.view_offset = {0.1f, 0, -0.2f};
+  tile.disparity_tolerance = 4e-4f;
+  tile.certificate = {1e-4f, 1e-5f, 40.0f, 0.25f};
+  const std::size_t n = tile.samples();
+  tile.coverage.assign(n, 1), tile.disparity.assign(n, 0), tile.rgb.assign(3 * n, 0);
+  tile.cut_right.assign(n, 0), tile.cut_down.assign(n, 0);
+  std::mt19937 random(seed);
+  std::vector<int> surface(n, 0);
+  for (int y = 0; y < kTileSamples; ++y)
+    for (int x = 0; x < kTileSamples; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * kTileSamples + x;
+      const double r = std::hypot(x - 70.0, y - 50.0);
+      surface[i] = r < 20 ? 1 : (x > 100 && x < 105 ? 2 : 0);
+      tile.coverage[i] = surface[i] != 2;
+      if (surface[i] == 0) tile.disparity[i] = static_cast<float>(0.05 + 0.0011 * x + 0.0007 * y);
+      if (surface[i] == 1) tile.disparity[i] = static_cast<float>(0.4 - 1e-4 * r * r);
+      for (int c = 0; c < 3; ++c) tile.rgb[3 * i + c] = static_cast<std::uint8_t>(surface[i] == 1 ? 220 - 60 * c : 40 + x / 2);
+    }
+  for (int y = 0; y < kTileSamples; ++y)
+    for (int x = 0; x < kTileSamples; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * kTileSamples + x;
+      const auto cut = [&](std::size_t j) -> std::uint8_t {
+        return surface[i] == surface[j] ? 0 : static_cast<std::uint8_t>(1 + random() % 8);
+      };
+      if (x + 1 < kTileSamples) tile.cut_right[i] = cut(i + 1);
+      if (y + 1 < kTileSamples) tile.cut_down[i] = cut(i + kTileSamples);
+    }
+  return tile;
+}
+
+Tile packed_tile() {
+  Tile tile;
+  tile.id = {{0, 5, 6, 7}, 3, 4, 1, 0};
+  tile.edge_samples = face_samples(12);
+  tile.disparity_tolerance = 2e-4f;
+  std::mt19937 random(5);
+  for (int x = 63; x < 90; ++x)
+    for (int y = 3; y < 40; ++y)
+      if (random() % 3 == 0) tile.blocks.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y)});
+  tile.width = packed_width(tile.blocks.size()), tile.height = packed_height(tile.blocks.size());
+  const std::size_t n = tile.samples();
+  tile.coverage.assign(n, 0), tile.disparity.assign(n, 0), tile.rgb.assign(3 * n, 99);
+  tile.cut_right.assign(n, 0), tile.cut_down.assign(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t block = i / tile.width / 8 * kPackedColumns + i % tile.width / 8;
+    tile.coverage[i] = block < tile.blocks.size() && random() % 8 != 0;
+    if (tile.coverage[i]) tile.disparity[i] = 0.3f + 0.01f * static_cast<float>(random() % 7);
+  }
+  const TileNeighbours neighbours(tile);
+  for (std::size_t i = 0; i < n; ++i) {
+    const int right = neighbours.right(static_cast<int>(i)), down = neighbours.down(static_cast<int>(i));
+    const auto cut = [&](int j) -> std::uint8_t {
+      if (j < 0 || (!tile.coverage[i] && !tile.coverage[j])) return 0;
+      if (tile.coverage[i] != tile.coverage[j]) return static_cast<std::uint8_t>(1 + random() % 8);
+      return std::abs(tile.disparity[i] - tile.disparity[j]) > 0.001f ? static_cast<std::uint8_t>(1 + random() % 8) : kConnected;
+    };
+    tile.cut_right[i] = cut(right), tile.cut_down[i] = cut(down);
+  }
+  return tile;
+}
+
+void expect_same(const Tile& a, const Tile& b) {
+  EXPECT_EQ(a.id, b.id);
+  EXPECT_EQ(a.blocks, b.blocks);
+  EXPECT_EQ(a.coverage, b.coverage);
+  EXPECT_EQ(a.cut_right, b.cut_right);
+  EXPECT_EQ(a.cut_down, b.cut_down);
+  ASSERT_EQ(a.samples(), b.samples());
+  double worst = 0;
+  for (std::size_t i = 0; i < a.samples(); ++i)
+    if (a.coverage[i]) worst = std::max<double>(worst, std::abs(double{a.disparity[i]} - double{b.disparity[i]}));
+  EXPECT_LE(worst, a.disparity_tolerance);
+}
+
+TEST(TileCodec, DenseTileComesBackWithinItsTolerance) {
+  const Tile tile = dense_tile(1);
+  TileBytes bytes;
+  const auto encoded = encode_tile(tile, {}, &bytes);
+  ASSERT_TRUE(encoded);
+  const auto decoded = decode_tile(*encoded);
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  expect_same(tile, *decoded);
+  EXPECT_EQ(decoded->view_offset, tile.view_offset);
+  EXPECT_NEAR(decoded->certificate.void_worst_sr, 1e-4, 1e-6);
+  EXPECT_LT(8.0 * bytes.disparity / bytes.covered_samples, 0.5);
+  double squared = 0;
+  for (std::size_t i = 0; i < tile.samples(); ++i)
+    for (int c = 0; tile.coverage[i] && c < 3; ++c) squared += std::pow(tile.rgb[3 * i + c] - decoded->rgb[3 * i + c], 2);
+  EXPECT_GT(10 * std::log10(255.0 * 255.0 * 3 * bytes.covered_samples / squared), 34.0);
+}
+
+TEST(TileCodec, PackedTileComesBackWithItsBlocks) {
+  const Tile tile = packed_tile();
+  const auto encoded = encode_tile(tile, {});
+  ASSERT_TRUE(encoded);
+  const auto decoded = decode_tile(*encoded);
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  expect_same(tile, *decoded);
+}
+
+TEST(TileCodec, NoiseStaysWithinTolerance) {
+  Tile tile = dense_tile(2);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> noise(0.0f, 0.5f);
+  for (std::size_t i = 0; i < tile.samples(); ++i)
+    if (tile.coverage[i]) tile.disparity[i] = noise(random);
+  const auto encoded = encode_tile(tile, {});
+  ASSERT_TRUE(encoded);
+  expect_same(tile, *decode_tile(*encoded));
+}
+
+TEST(TileCodec, OnePlaneCostsAFewBytes) {
+  Tile tile = dense_tile(3);
+  for (std::size_t i = 0; i < tile.samples(); ++i) {
+    tile.coverage[i] = 1, tile.cut_right[i] = tile.cut_down[i] = 0;
+    tile.disparity[i] = static_cast<float>(0.1 + 0.0013 * (i % 128) - 0.0004 * (i / 128));
+  }
+  TileBytes bytes;
+  ASSERT_TRUE(encode_tile(tile, {}, &bytes));
+  EXPECT_LT(bytes.disparity, 60u);
+  EXPECT_LT(bytes.topology, 20u);
+}
+
+TEST(TileCodec, EveryTruncationIsAnErrorOrATile) {
+  for (const Tile& tile : {dense_tile(4), packed_tile()}) {
+    const Bytes encoded = *encode_tile(tile, {});
+    for (std::size_t size = 0; size < encoded.size(); size += 1 + size / 40)
+      EXPECT_FALSE(decode_tile(ByteView(encoded).first(size)));
+  }
+}
+
+TEST(TileCodec, DamagedBytesNeverCrash) {
+  std::mt19937 random(11);
+  for (const Tile& tile : {dense_tile(5), packed_tile()}) {
+    const Bytes good = *encode_tile(tile, {});
+    for (int round = 0; round < 300; ++round) {
+      Bytes bad = good;
+      for (int k = 0; k < 4; ++k) bad[random() % bad.size()] = static_cast<std::uint8_t>(random());
+      const auto decoded = decode_tile(bad);
+      if (!decoded) continue;
+      for (const float d : decoded->disparity) ASSERT_TRUE(std::isfinite(d) && d >= 0);
+    }
+  }
+}
+
+TEST(TileCodec, ForeignBytesAndVersionsGetOneClearLine) {
+  Bytes encoded = *encode_tile(dense_tile(6), {});
+  EXPECT_EQ(decode_tile(Bytes{'P', 'N', 'G', 0, 0, 0}).error().code, ErrorCode::kBadData);
+  encoded[2] = 77;
+  EXPECT_EQ(decode_tile(encoded).error().code, ErrorCode::kVersionMismatch);
+  EXPECT_EQ(decode_tile(*encode_tile(dense_tile(6), {}), {.edge_samples = 100}).error().code, ErrorCode::kLimitExceeded);
+}
+
+TEST(TileCodec, InspectAgreesWithTheEncoder) {
+  TileBytes written;
+  const Bytes encoded = *encode_tile(dense_tile(7), {}, &written);
+  const TileBytes read = *inspect_tile(encoded);
+  EXPECT_EQ(read.colour, written.colour);
+  EXPECT_EQ(read.disparity, written.disparity);
+  EXPECT_EQ(read.topology, written.topology);
+  EXPECT_EQ(read.covered_samples, written.covered_samples);
+}
+
+}  // namespace
+}  // namespace farfield
