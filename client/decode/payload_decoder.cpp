@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/decode/payload_decoder.h"
+
+#include <chrono>
+#include <utility>
+
+#include "common/geometry/chunk.h"
+
+namespace farfield::client {
+namespace {
+
+template <class T>
+std::size_t heap_bytes(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
+std::size_t memory_of(const DecodedTile& tile) {
+  return sizeof(DecodedTile) + heap_bytes(tile.mesh.rgb) + heap_bytes(tile.mesh.vertices) +
+         heap_bytes(tile.mesh.indices) + heap_bytes(tile.splats.runs) + heap_bytes(tile.splats.disparity) +
+         heap_bytes(tile.splats.colour);
+}
+
+std::string context_of(const PayloadName& name) {
+  return fmt::format("{} {:016x} from the server", payload_kind_name(name.kind), name.key);
+}
+
+bool is_on_grid(const CellId& cell) {
+  return cell.level <= kMaxCellLevel && cell.x >= 0 && cell.y >= 0 && cell.z >= 0;
+}
+
+Result<DecodedPayload> decode_chunk_payload(const EncodedPayload& payload) {
+  Result<Chunk> chunk = decode_chunk(*payload.bytes);
+  if (!chunk) return fail_within(context_of(payload.name), std::move(chunk.error()));
+  auto decoded = std::make_shared<DecodedChunk>();
+  decoded->hash = payload.name.key;
+  decoded->serial = next_serial();
+  decoded->chunk = std::move(*chunk);
+  DecodedPayload result;
+  result.name = payload.name;
+  result.memory_bytes = sizeof(DecodedChunk) + heap_bytes(decoded->chunk.vertices) + heap_bytes(decoded->chunk.indices);
+  result.chunk = std::move(decoded);
+  return result;
+}
+
+Result<DecodedPayload> decode_texture_payload(const EncodedPayload& payload) {
+  Result<TextureLevel> level = decode_texture_level(*payload.bytes);
+  if (!level) return fail_within(context_of(payload.name), std::move(level.error()));
+  DecodedPayload result;
+  result.name = payload.name;
+  result.texture_level = std::move(*level);
+  // The frame's header names the texture; the bytes may be shared by several.
+  result.texture_level.texture = payload.name.texture;
+  result.texture_level.level = payload.name.level;
+  result.memory_bytes = sizeof(TextureLevel) + result.texture_level.rgba.size();
+  return result;
+}
+
+}  // namespace
+
+PayloadDecoder::PayloadDecoder(CellGrid grid, DecodeForm form, TileDecoder tile_decoder)
+    : grid_(grid), form_(form), tile_decoder_(std::move(tile_decoder)) {}
+
+Result<DecodedPayload> PayloadDecoder::decode_tile_payload(const EncodedPayload& payload) const {
+  Result<Tile> tile = tile_decoder_(*payload.bytes);
+  if (!tile) return fail_within(context_of(payload.name), std::move(tile.error()));
+  if (!is_on_grid(tile->id.cell)) {
+    return fail(ErrorCode::kBadData, "{}: its cell lies outside the grid", context_of(payload.name));
+  }
+  auto decoded = std::make_shared<DecodedTile>();
+  decoded->id = tile->id;
+  decoded->serial = next_serial();
+  decoded->side_m = grid_.side_m(tile->id.cell.level);
+  decoded->view_position = grid_.box(tile->id.cell).center() + glm::dvec3(tile->view_offset) * decoded->side_m;
+  decoded->tolerance = tile->disparity_tolerance;
+  decoded->certificate = tile->certificate;
+  if (form_ != DecodeForm::kSplats) decoded->mesh = build_depth_mesh(*tile, tile->disparity_tolerance);
+  if (form_ != DecodeForm::kMesh) decoded->splats = build_splats(*tile);
+  decoded->memory_bytes = memory_of(*decoded);
+  DecodedPayload result;
+  result.name = payload.name;
+  result.memory_bytes = decoded->memory_bytes;
+  result.tile = std::move(decoded);
+  return result;
+}
+
+Result<DecodedPayload> PayloadDecoder::decode(const EncodedPayload& payload) const {
+  const auto start = std::chrono::steady_clock::now();
+  Result<DecodedPayload> result = payload.name.kind == PayloadKind::kTile    ? decode_tile_payload(payload)
+                                  : payload.name.kind == PayloadKind::kChunk ? decode_chunk_payload(payload)
+                                                                             : decode_texture_payload(payload);
+  if (result) result->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace farfield::client

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which leaf set is shown, and the bookkeeping of arrivals. How room is made: leaf_sets_memory.cpp.
+#include "client/store/leaf_sets.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace farfield::client {
+namespace {
+
+/// How far outside its leaf a complete set is still worth showing, in sides: its shells begin kappa sides away, so
+/// one side outside it parallax is at most doubled; farther out its near geometry ends too close.
+constexpr double kUsableSides = 1.0;
+
+}  // namespace
+
+bool is_late(const LeafView* view, const glm::dvec3& eye) {
+  return !view || view->is_fallback || !view->is_complete || !view->leaf_box.contains(eye);
+}
+
+void LeafSets::announce(LeafSet set) {
+  auto tracked = std::make_shared<TrackedLeafSet>(std::move(set), frame_, store_);
+  for (const ContentHash item : bad_) tracked->mark_abandoned(item);
+  // A newer list for the same leaf takes the place of the older one, unless that is on the screen.
+  std::erase_if(sets_, [&](const Tracked& old) {
+    return old != shown_ && old->set().leaf == tracked->set().leaf && old->set().is_fallback == tracked->set().is_fallback;
+  });
+  sets_.push_back(std::move(tracked));
+  assign_roles();
+  forget_surplus();
+}
+
+void LeafSets::mark_all_sent(std::uint64_t serial) {
+  for (const Tracked& set : sets_) {
+    if (set->set().serial == serial) set->mark_all_sent();
+  }
+}
+
+void LeafSets::receive(DecodedPayload payload) {
+  const ContentHash item = payload.name.item();
+  bad_.erase(item);
+  if (!make_room(payload)) {
+    // A finer texture level without room changes nothing; an item without room is one its sets do without.
+    if (store_.contains(item)) return;
+    ++given_up_;
+    for (const Tracked& set : sets_) {
+      if (is_role(set)) set->mark_abandoned(item);
+    }
+    return;
+  }
+  const bool is_pinned = std::any_of(sets_.begin(), sets_.end(),
+                                     [&](const Tracked& set) { return is_role(set) && set->is_needed(item); });
+  store_.insert(std::move(payload), is_pinned);
+  for (const Tracked& set : sets_) set->mark_arrived(item);
+  if (shown_ && shown_->is_needed(item)) is_stale_ = true;
+}
+
+void LeafSets::abandon(const PayloadName& name) {
+  const ContentHash item = name.item();
+  if (store_.contains(item)) return;  // a bad finer level of a texture that can be drawn
+  constexpr std::size_t kMostBadItems = 4096;
+  if (bad_.size() >= kMostBadItems) bad_.clear();
+  bad_.insert(item);
+  for (const Tracked& set : sets_) set->mark_abandoned(item);
+}
+
+void LeafSets::set_eye(const glm::dvec3& eye) {
+  eye_ = eye;
+  has_eye_ = true;
+}
+
+bool LeafSets::update(bool with_refinement) {
+  assign_roles();
+  const Tracked chosen = choose();
+  if (!chosen) return false;
+  const bool is_switch = chosen != shown_;
+  // Becoming complete on the screen is news at once; everything else about the shown set can wait a little.
+  const bool is_completion = view_ && !is_switch && chosen->is_complete() && !view_->is_complete;
+  if (!is_switch && !is_completion && !(is_stale_ && with_refinement)) return false;
+  shown_ = chosen;
+  if (is_switch) assign_roles();
+  is_stale_ = false;
+  std::shared_ptr<const LeafView> next = shown_->view(store_, frame_);
+  // A set squeezed to nothing by a tiny budget leaves its last picture on the screen.
+  const bool is_empty = next->tiles.empty() && next->chunks.empty() && !shown_->needs().empty();
+  if (is_empty && view_) return false;
+  view_ = std::move(next);
+  return true;
+}
+
+LeafSets::Tracked LeafSets::choose() const {
+  Tracked inside, nearest, fallback;
+  double nearest_sides = kUsableSides;
+  double fallback_sides = std::numeric_limits<double>::infinity();
+  for (const Tracked& set : sets_) {  // newest last, and the newest of equals wins
+    if (!set->is_complete()) continue;
+    const double sides = set->sides_outside(eye_);
+    if (set->set().is_fallback) {
+      if (sides <= fallback_sides) fallback = set, fallback_sides = sides;
+    } else if (set->box().contains(eye_)) {
+      inside = set;
+    } else if (sides <= nearest_sides) {
+      nearest = set, nearest_sides = sides;
+    }
+  }
+  if (inside) return inside;
+  const bool shows_whole = shown_ && shown_->is_complete();
+  const double shown_sides = shown_ ? shown_->sides_outside(eye_) : std::numeric_limits<double>::infinity();
+  if (shows_whole && !shown_->set().is_fallback && shown_sides <= kUsableSides) return shown_;
+  if (nearest) return nearest;
+  if (fallback && !(shows_whole && shown_sides <= fallback_sides)) return fallback;
+  if (shows_whole || (shown_ && shown_->held() > 0)) return shown_;
+  // Nothing was ever complete: the fallback view as far as it has come, else the set itself.
+  if (fallback_ && fallback_->held() > 0) return fallback_;
+  return awaited_ && awaited_->held() > 0 ? awaited_ : nullptr;
+}
+
+LeafSets::Tracked LeafSets::find_awaited() const {
+  Tracked inside, newest;
+  for (const Tracked& set : sets_) {
+    if (set->set().is_fallback) continue;
+    if (has_eye_ && set->box().contains(eye_)) inside = set;
+    if (set->set().is_current) newest = set;
+  }
+  return inside ? inside : newest;
+}
+
+LeafSets::Tracked LeafSets::find_fallback() const {
+  if (has_usable_view() && !(shown_->set().is_fallback)) return nullptr;
+  Tracked inside, newest;
+  for (const Tracked& set : sets_) {
+    if (!set->set().is_fallback) continue;
+    if (has_eye_ && set->box().contains(eye_)) inside = set;
+    newest = set;
+  }
+  return inside ? inside : newest;
+}
+
+bool LeafSets::has_usable_view() const {
+  return shown_ && shown_->is_complete() && shown_->sides_outside(eye_) <= kUsableSides;
+}
+
+void LeafSets::assign_roles() {
+  awaited_ = find_awaited();
+  fallback_ = find_fallback();
+  const std::array<Tracked, 3> roles{shown_, awaited_, fallback_};
+  if (roles == pinning_) return;
+  for (const Tracked& former : pinning_) {
+    // There may be room next time; what cannot be decoded stays abandoned.
+    if (!former || is_role(former)) continue;
+    former->restore_abandoned();
+    for (const ContentHash item : bad_) former->mark_abandoned(item);
+  }
+  std::unordered_set<ContentHash> pins;
+  for (const Tracked& role : roles) {
+    if (role) pins.insert(role->needs().begin(), role->needs().end());
+  }
+  store_.set_pins(pins);
+  pinning_ = roles;
+  ++roles_version_;
+}
+
+DecodeGroup LeafSets::group_of(const PayloadName& name) const {
+  const ContentHash item = name.item();
+  const bool is_finer = name.kind == PayloadKind::kTextureLevel && store_.contains(item);
+  if (fallback_ && fallback_->is_needed(item)) return is_finer ? DecodeGroup::kRefinement : DecodeGroup::kFallback;
+  const bool is_needed = (awaited_ && awaited_->is_needed(item)) || (shown_ && shown_->is_needed(item));
+  if (!is_needed) return DecodeGroup::kPrefetch;
+  return is_finer ? DecodeGroup::kRefinement : DecodeGroup::kNeeded;
+}
+
+bool LeafSets::is_redundant(const PayloadName& name) const {
+  if (name.kind == PayloadKind::kTextureLevel) return store_.contains_level(name.texture, name.level);
+  return store_.contains(name.key);
+}
+
+}  // namespace farfield::client

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// All leaf sets a client knows, what it holds of them, and which one is on the screen.
+//
+// A set is shown only as a whole: until the set of the eye's leaf is complete, the one before stays (design.md
+// section 2). Order of preference: the complete set whose leaf holds the eye; the set already shown while the eye is
+// at most one side outside its leaf; another complete set as near; a complete fallback view; what was shown before;
+// and, while nothing has ever been complete, whatever has arrived. Once something is shown there is always something.
+//
+// Memory: what the shown and the awaited set need is pinned. If these alone exceed the budget, room is made in this
+// order: finest texture levels of the awaited set, then of the shown one; then the farthest items of whichever of the
+// two holds more than its half. A set is complete without what it gave up, so there is always progress.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <memory>
+#include <unordered_set>
+#include <vector>
+
+#include "client/decode/decode_pool.h"
+#include "client/store/leaf_set.h"
+#include "client/store/leaf_view.h"
+#include "client/store/payload_store.h"
+#include "client/store/tracked_leaf_set.h"
+
+namespace farfield::client {
+
+/// The shown view is not the complete leaf set of the leaf that holds `eye` (scene frame): design.md section 9.
+bool is_late(const LeafView* view, const glm::dvec3& eye);
+
+/// Not thread-safe: belongs to the client core's network thread.
+class LeafSets {
+ public:
+  /// Sets known at once; beyond it the oldest that are neither shown nor awaited are forgotten.
+  static constexpr std::size_t kMaxSets = 32;
+
+  LeafSets(const SceneFrame& frame, std::size_t budget_bytes) : frame_(frame), store_(budget_bytes) {}
+
+  // ── what happens ──
+  void announce(LeafSet set);
+  void mark_all_sent(std::uint64_t serial);
+  void receive(DecodedPayload payload);
+  /// A payload that cannot be decoded: sets become complete without it.
+  void abandon(const PayloadName& name);
+  void set_eye(const glm::dvec3& eye);
+
+  /// Chooses what to show. `with_refinement`: also when only a detail of the shown set has changed, or the set on
+  /// the screen is not complete yet; callers limit how often. Returns: whether view() is a new one.
+  bool update(bool with_refinement);
+
+  // ── questions ──
+  const std::shared_ptr<const LeafView>& view() const { return view_; }
+  /// Null: nothing. What view() was made from, now possibly further along.
+  const TrackedLeafSet* shown() const { return shown_.get(); }
+  /// Something usable is on the screen: the eye is at most one side outside a complete set or fallback view.
+  bool has_usable_view() const;
+  bool needs_refinement() const { return is_stale_; }
+  /// Changes whenever group_of() may answer differently for payloads that wait.
+  std::uint64_t roles_version() const { return roles_version_; }
+  DecodeGroup group_of(const PayloadName& name) const;
+  /// Held already, or known to be of no use: need not be decoded again.
+  bool is_redundant(const PayloadName& name) const;
+  const PayloadStore& store() const { return store_; }
+  /// Payload keys that have gone, for the server, since the last call.
+  std::vector<ContentHash> take_evicted() { return store_.take_evicted_payloads(); }
+  std::size_t given_up() const { return given_up_; }
+
+ private:
+  using Tracked = std::shared_ptr<TrackedLeafSet>;
+
+  Tracked choose() const;
+  Tracked find_awaited() const;
+  Tracked find_fallback() const;
+  void assign_roles();
+  bool is_role(const Tracked& set) const { return set && (set == shown_ || set == awaited_ || set == fallback_); }
+  bool make_room(const DecodedPayload& payload);
+  bool give_up_one(const PayloadName& arriving);
+  bool give_up_texture_level(const Tracked& set);
+  bool give_up_farthest(const Tracked& set, const Tracked& other, const PayloadName& arriving);
+  std::size_t resident_bytes(const TrackedLeafSet& set) const;
+  void give_up(ContentHash item);
+  void note_evictions();
+  void forget_surplus();
+
+  const SceneFrame frame_;
+  PayloadStore store_;
+  glm::dvec3 eye_{0};
+  bool has_eye_ = false;
+  std::vector<Tracked> sets_;                // by ascending age of announcement, newest last
+  Tracked shown_, awaited_, fallback_;       // the roles that pin
+  std::array<Tracked, 3> pinning_;           // the roles by which the store's pins were last set
+  std::uint64_t roles_version_ = 0;
+  std::unordered_set<ContentHash> bad_;      // items whose bytes did not decode
+  std::shared_ptr<const LeafView> view_;
+  bool is_stale_ = false;                    // the shown set has changed since view_ was made
+  std::size_t given_up_ = 0;
+};
+
+}  // namespace farfield::client
