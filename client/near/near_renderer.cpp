@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/near/near_renderer.h"
+
+#include <epoxy/gl.h>
+
+#include <list>
+
+#include "client/near/near_batches.h"
+#include "client/near/surface_program.h"
+#include "client/near/texture_cache.h"
+
+namespace farfield::client {
+namespace {
+
+/// A leaf set's near geometry on the GPU; the indices stay here, to be streamed chunk by chunk.
+struct PreparedLeaf {
+  ContentHash key = 0;
+  Buffer vertices;
+  VertexArrayName array;
+  std::vector<std::uint32_t> indices;
+  std::vector<NearBatch> batches;
+  std::size_t bytes = 0;
+};
+
+AffineBox in_camera(const SurfaceBounds& bounds, const glm::dvec3& eye_from_centre, const glm::dmat3& rotation) {
+  const glm::dvec3 half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
+  return {rotation * (0.5 * (glm::dvec3(bounds.max) + glm::dvec3(bounds.min)) - eye_from_centre),
+          glm::dmat3(rotation[0] * half.x, rotation[1] * half.y, rotation[2] * half.z)};
+}
+
+}  // namespace
+
+struct NearRenderer::State {
+  State(const GlAbilities& a, const NearOptions& o, SurfacePrograms p)
+      : abilities(a),
+        options(o),
+        programs(std::move(p)),
+        textures(o.texture_budget_bytes, o.frame_upload_bytes, a.max_texture_edge) {}
+
+  GlAbilities abilities;
+  NearOptions options;
+  SurfacePrograms programs;
+  TextureCache textures;
+  Buffer stream = Buffer::make(1 << 16, true);  // this frame's indices
+  std::list<PreparedLeaf> prepared;             // most recently drawn first
+  std::vector<std::uint32_t> frame_indices;
+
+  PreparedLeaf& prepare(const LeafView& leaf, NearStatistics& statistics);
+  void forget_beyond_budget();
+};
+
+PreparedLeaf& NearRenderer::State::prepare(const LeafView& leaf, NearStatistics& statistics) {
+  const ContentHash key = near_geometry_key(leaf);
+  for (auto i = prepared.begin(); i != prepared.end(); ++i) {
+    if (i->key != key) continue;
+    prepared.splice(prepared.begin(), prepared, i);
+    return prepared.front();
+  }
+  NearBatches batches = near_batches(leaf);
+  PreparedLeaf fresh;
+  fresh.key = key;
+  fresh.bytes = batches.vertices.size() * sizeof(SurfaceVertex);
+  fresh.vertices = Buffer::make(fresh.bytes);
+  fresh.vertices.write(0, std::as_bytes(std::span(batches.vertices)));
+  fresh.array = make_surface_vertex_array(fresh.vertices, stream);
+  fresh.indices = std::move(batches.indices);
+  fresh.batches = std::move(batches.batches);
+  statistics.uploaded_bytes += fresh.bytes;
+  prepared.push_front(std::move(fresh));
+  forget_beyond_budget();
+  return prepared.front();
+}
+
+void NearRenderer::State::forget_beyond_budget() {
+  std::size_t held = 0;
+  for (const PreparedLeaf& leaf : prepared) held += leaf.bytes;
+  while (held > options.geometry_budget_bytes && prepared.size() > 1) {
+    held -= prepared.back().bytes;
+    prepared.pop_back();
+  }
+}
+
+NearRenderer::NearRenderer() = default;
+NearRenderer::~NearRenderer() = default;
+
+Result<std::unique_ptr<NearRenderer>> NearRenderer::create(const GlAbilities& abilities, const NearOptions& options) {
+  Result<SurfacePrograms> programs = SurfacePrograms::build();
+  if (!programs) return tl::unexpected<Error>(programs.error());
+  std::unique_ptr<NearRenderer> result(new NearRenderer);
+  result->state_ = std::make_unique<State>(abilities, options, std::move(*programs));
+  return result;
+}
+
+NearStatistics NearRenderer::draw(const LeafView& leaf, const ViewTransform& view) {
+  State& s = *state_;
+  NearStatistics statistics;
+  s.textures.begin_frame();
+  PreparedLeaf& prepared = s.prepare(leaf, statistics);
+  const glm::dvec3 centre = leaf.leaf_box.center();
+  begin_scene_drawing(s.abilities);
+  s.programs.begin_frame(view, centre, DepthConvention::of(s.abilities), glm::vec3(leaf.near_region.min - centre),
+                         glm::vec3(leaf.near_region.max - centre));
+
+  s.frame_indices.clear();
+  std::vector<std::size_t> batch_end;
+  for (const NearBatch& batch : prepared.batches) {
+    for (const MergedChunk& chunk : batch.chunks) {
+      statistics.triangles_held += chunk.index_count / 3;
+      if (!view.may_see(in_camera(chunk.bounds, view.eye - centre, view.camera_from_scene))) continue;
+      const auto first = prepared.indices.begin() + chunk.first_index;
+      s.frame_indices.insert(s.frame_indices.end(), first, first + chunk.index_count);
+      ++statistics.chunks_drawn;
+    }
+    batch_end.push_back(s.frame_indices.size());
+  }
+  s.stream.rewrite(std::as_bytes(std::span(s.frame_indices)));
+  statistics.triangles = s.frame_indices.size() / 3;
+
+  glBindVertexArray(prepared.array.name());
+  glActiveTexture(GL_TEXTURE0);
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < prepared.batches.size(); ++i) {
+    const std::size_t count = batch_end[i] - begin;
+    if (count > 0) {
+      const NearBatch& batch = prepared.batches[i];
+      const auto& texture = leaf.chunks[batch.placed_chunk].texture;
+      const GlName name = texture ? s.textures.use(*texture) : 0;
+      glBindTexture(GL_TEXTURE_2D, name);
+      s.programs.use({name != 0, name != 0 && batch.is_alpha_masked, batch.is_cut}, batch.alpha_cutoff);
+      glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT,
+                     reinterpret_cast<const void*>(begin * sizeof(std::uint32_t)));
+      ++statistics.draw_calls;
+    }
+    begin = batch_end[i];
+  }
+  glBindVertexArray(0);
+  s.textures.end_frame();
+  statistics.uploaded_bytes += s.textures.frame_uploaded_bytes();
+  return statistics;
+}
+
+}  // namespace farfield::client
