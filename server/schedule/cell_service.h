@@ -8,7 +8,6 @@
 // Frames: scene frame throughout. Lifetime: a service outlives every ticket it gave out.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
