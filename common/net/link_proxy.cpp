@@ -125,12 +125,13 @@ asio::awaitable<void> write_from(std::shared_ptr<Pair> pair, tcp::socket* to, Di
     const Parcel parcel = std::move(direction->under_way.front());
     direction->under_way.pop_front();
     const asio::const_buffer buffer(parcel.bytes.data(), parcel.bytes.size());
+    // Counted first: whoever has read the bytes finds them counted.
+    counter->fetch_add(parcel.bytes.size(), std::memory_order_relaxed);
     co_await asio::async_write(*to, buffer, asio::redirect_error(asio::use_awaitable, error));
     if (error) {
       pair->close();
       break;
     }
-    counter->fetch_add(parcel.bytes.size(), std::memory_order_relaxed);
     direction->under_way_bytes -= parcel.bytes.size();
     direction->room.cancel();
   }

@@ -7,7 +7,7 @@
 #include <asio/write.hpp>
 
 #include "common/net/message.h"
-#include "farfield.pb.h"
+#include "proto/farfield.pb.h"
 #include "tests/unit/common/net/loopback.h"
 
 namespace farfield {
