@@ -2,6 +2,7 @@
 // From a SCENE argument to a model: a file in any supported format, or "kind:triangles:seed" for a generator.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -17,6 +18,7 @@ struct LoadOptions {
   glm::dvec3 shift{0};         // --shift: added to every world position in double, after units and up
   std::filesystem::path import_program;  // farfield-import; empty: beside the running program
   std::size_t memory_limit_bytes = std::size_t{8} << 30;  // of the import process
+  std::chrono::seconds time_limit{600};                       // processor time of the import process
 };
 
 /// Reads a file or runs a generator ("pipes:1000000:1"). Assimp formats are read in a child process that may crash
