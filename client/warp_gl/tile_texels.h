@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tile's colours as texture levels. CPU only.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace farfield::client {
+
+/// sRGB R, G, B, opaque, from 3 bytes per texel. Requires: rgb.size() == 3·width·height.
+std::vector<std::uint32_t> opaque_texels(std::span<const std::uint8_t> rgb, int width, int height);
+
+/// The next coarser level: each texel the mean of four in linear light. Requires: even edges.
+std::vector<std::uint32_t> half_size(std::span<const std::uint32_t> texels, int width, int height);
+
+}  // namespace farfield::client
