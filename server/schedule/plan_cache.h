@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Leaf plans kept in memory, bounded in bytes, found by leaf or by any viewpoint in the leaf. Thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <mutex>
+
+#include "common/cells/cell_id.h"
+#include "server/cells/leaf_plan.h"
+#include "server/store/byte_bounded_lru.h"
+
+namespace farfield {
+
+using SharedPlan = std::shared_ptr<const LeafPlan>;
+
+struct PlanCacheStatistics {
+  std::uint64_t hits = 0, misses = 0, evictions = 0;
+  std::size_t items = 0, bytes = 0, capacity_bytes = 0;
+};
+
+class PlanCache {
+ public:
+  PlanCache(std::size_t capacity_bytes, double finest_side_m);
+
+  /// Leaves tile space, so the one kept cell that holds the viewpoint is its leaf. Costs a look-up per level.
+  /// Returns: the plan, or null. Requires: finite.
+  SharedPlan find(const glm::dvec3& viewpoint);
+  /// By name, counting nothing: for a second look before making the plan.
+  SharedPlan peek(const CellId& leaf);
+  /// Requires: not null.
+  void insert(SharedPlan plan);
+  PlanCacheStatistics statistics() const;
+
+ private:
+  const CellGrid grid_;
+  mutable std::mutex mutex_;  // guards everything below
+  ByteBoundedLru<CellId, SharedPlan> plans_;
+  std::uint64_t hits_ = 0, misses_ = 0;
+};
+
+}  // namespace farfield

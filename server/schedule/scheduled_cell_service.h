@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cell service of one scene: the store in front, single flight behind it, the shared queue and pool for the work.
+//
+//   request ─▶ plan cache / tile store ─▶ single flight ─▶ job queue ─▶ worker: source makes it ─▶ store ─▶ answers
+//
+// Owns nothing of the scene but shares in it. Destroying the service drops all outstanding answers, cancels its work
+// and waits for what runs.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "server/schedule/cell_service.h"
+#include "server/schedule/cell_statistics.h"
+#include "server/schedule/geometry_source.h"
+#include "server/schedule/plan_cache.h"
+#include "server/schedule/worker_pool.h"
+#include "server/store/single_flight.h"
+#include "server/store/tile_store.h"
+
+namespace farfield {
+
+/// Everything a service needs; none may be null.
+struct CellServiceParts {
+  SceneDescription scene;                          // its hash names the world in the store
+  std::shared_ptr<const GeometrySource> geometry;  // scene_geometry(scene)
+  std::shared_ptr<LeafSource> leaves;
+  std::shared_ptr<TileSource> tiles;
+  std::shared_ptr<TileStore> store;  // may be shared by the services of several scenes
+  std::shared_ptr<CastPool> pool;    // likewise
+  std::size_t plan_cache_bytes = std::size_t{64} << 20;
+};
+
+struct CellServiceStatistics {
+  QueueStatistics queue;  // of the pool, all scenes together
+  PoolStatistics pool;
+  StoreStatistics store;  // all scenes together
+  PlanCacheStatistics plan_cache;
+  FlightStatistics leaf_flights, plan_flights, tile_flights, geometry_flights;
+  DurationHistogram tile_seconds;  // thread seconds per tile made
+};
+
+/// A cell service that also tells what it did.
+class MeasuredCellService : public CellService {
+ public:
+  virtual CellServiceStatistics statistics() const = 0;
+  /// What each cell's own impostor cost so far, sorted by cell.
+  virtual std::vector<CellStatistics> cell_statistics() const = 0;
+};
+
+std::unique_ptr<MeasuredCellService> make_cell_service(CellServiceParts parts);
+
+}  // namespace farfield

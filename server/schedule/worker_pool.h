@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pool "cast": threads that take jobs from one queue until it is closed. They are plain threads; Embree's queries
+// need no more, and a job that uses TBB itself shares the process's one arena.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include "server/schedule/job_queue.h"
+
+namespace farfield {
+
+struct PoolStatistics {
+  int threads = 0;
+  int busy = 0;              // threads inside a job now
+  std::uint64_t jobs = 0;    // finished
+  std::uint64_t failed = 0;  // of these: let an exception escape
+  double busy_seconds = 0;   // sum over the threads, finished jobs only
+};
+
+class WorkerPool {
+ public:
+  /// `queue` outlives the pool. `threads` < 1 counts as 1.
+  WorkerPool(JobQueue& queue, int threads, SecondsClock clock = steady_clock_seconds());
+  /// Closes the queue and waits for the jobs that run.
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  PoolStatistics statistics() const;
+
+ private:
+  void work();
+
+  JobQueue& queue_;
+  const SecondsClock clock_;
+  std::atomic<int> busy_{0};
+  std::atomic<std::uint64_t> jobs_{0}, failed_{0}, busy_nanoseconds_{0};
+  std::vector<std::jthread> threads_;  // last: its destructor joins while the rest still stands
+};
+
+/// The queue and its pool: one per process, shared by the services of all its scenes.
+class CastPool {
+ public:
+  static constexpr std::size_t kDefaultQueueCapacity = 100'000;
+  /// `threads` 0: one per processor.
+  explicit CastPool(int threads = 0, std::size_t queue_capacity = kDefaultQueueCapacity,
+                    SecondsClock clock = steady_clock_seconds());
+
+  JobQueue& queue() { return queue_; }
+  QueueStatistics queue_statistics() const { return queue_.statistics(); }
+  PoolStatistics pool_statistics() const { return pool_.statistics(); }
+
+ private:
+  JobQueue queue_;
+  WorkerPool pool_;
+};
+
+}  // namespace farfield

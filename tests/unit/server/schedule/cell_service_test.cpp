@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+// The service with fake sources: every answer arrives, each thing is made once, and what nobody wants is cancelled.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <latch>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+#include "server/schedule/scheduled_cell_service.h"
+#include "server/store/memory_tile_store.h"
+
+namespace farfield {
+namespace {
+
+using namespace std::chrono_literals;
+
+bool eventually(const std::function<bool()>& holds) {
+  for (int i = 0; i < 5000 && !holds(); ++i) std::this_thread::sleep_for(1ms);
+  return holds();
+}
+
+// Leaves are the cells of level 1.
+struct FakeLeaves : LeafSource {
+  Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag&) override {
+    ++searches;
+    return grid.cell_at(viewpoint, 1);
+  }
+  Result<SharedPlan> plan(const CellId& leaf, const CancelFlag& cancel) override {
+    ++plans;
+    if (gate) gate->wait();
+    while (is_blocking && !is_cancelled(cancel)) std::this_thread::yield();
+    if (is_cancelled(cancel)) {
+      ++cancelled;
+      return fail(ErrorCode::kCancelled, "cancelled");
+    }
+    return std::make_shared<const LeafPlan>(LeafPlan{.leaf = leaf, .seconds = 0.25});
+  }
+  CellGrid grid{1.0};
+  std::latch* gate = nullptr;
+  std::atomic<bool> is_blocking{false};
+  std::atomic<int> searches{0}, plans{0}, cancelled{0};
+};
+
+struct FakeTiles : TileSource {
+  Result<SharedTile> make(const TileId& id, const CancelFlag& cancel) override {
+    ++made;
+    if (gate) gate->wait();
+    if (id.face == 4) throw std::bad_alloc();
+    if (id.face == 5) return fail(ErrorCode::kInternal, "the ray caster gave up");
+    while (is_blocking && !is_cancelled(cancel)) std::this_thread::yield();
+    if (is_cancelled(cancel)) {
+      ++cancelled;
+      return fail(ErrorCode::kCancelled, "cancelled");
+    }
+    auto tile = std::make_shared<EncodedTile>();
+    tile->bytes = std::make_shared<const Bytes>(100 + id.x);
+    tile->seconds = 0.01;
+    tile->intra_seconds = 0.002;
+    return tile;
+  }
+  std::latch* gate = nullptr;
+  std::atomic<bool> is_blocking{false};
+  std::atomic<int> made{0}, cancelled{0};
+};
+
+struct FakeGeometry : GeometrySource {
+  std::size_t chunk_count() const override { return 3; }
+  std::size_t texture_count() const override { return 1; }
+  PlacedSceneChunk placement(std::uint32_t chunk) const override { return {.hash = chunk}; }
+  SceneTexture texture(std::uint32_t) const override { return {.level_count = 2}; }
+  SharedBytes chunk(std::uint32_t chunk) const override { return std::make_shared<const Bytes>(chunk + 1); }
+  SharedBytes texture_level(std::uint32_t, int level) const override {
+    return std::make_shared<const Bytes>(10 + static_cast<std::size_t>(level));
+  }
+};
+
+struct CellServiceTest : testing::Test {
+  std::shared_ptr<FakeLeaves> leaves = std::make_shared<FakeLeaves>();
+  std::shared_ptr<FakeTiles> tiles = std::make_shared<FakeTiles>();
+  std::shared_ptr<MemoryTileStore> store = std::make_shared<MemoryTileStore>(1 << 20);
+  std::shared_ptr<CastPool> pool = std::make_shared<CastPool>(2);
+  std::unique_ptr<MeasuredCellService> service = make();
+
+  std::unique_ptr<MeasuredCellService> make() {
+    SceneDescription scene;
+    scene.hash = 77;
+    scene.settings.finest_side_m = 1.0;
+    return make_cell_service({.scene = scene,
+                              .geometry = std::make_shared<const FakeGeometry>(),
+                              .leaves = leaves,
+                              .tiles = tiles,
+                              .store = store,
+                              .pool = pool});
+  }
+  static TileId tile_id(std::uint8_t x, std::uint8_t face = 0) { return {.cell = {.level = 1}, .face = face, .x = x}; }
+};
+
+TEST_F(CellServiceTest, ATileIsMadeOnceForAHundredThreads) {
+  std::latch gate(1);
+  tiles->gate = &gate;
+  std::atomic<int> answers{0};
+  std::vector<Ticket> tickets(100);
+  {
+    std::vector<std::jthread> viewers;
+    for (int i = 0; i < 100; ++i) {
+      viewers.emplace_back([&, i] {
+        tickets[static_cast<std::size_t>(i)] = service->tile(
+            tile_id(7), {}, [&](Result<SharedTile> tile) { answers += tile && (*tile)->bytes->size() == 107 ? 1 : 0; });
+      });
+    }
+  }
+  gate.count_down();
+  EXPECT_TRUE(eventually([&] { return answers == 100; }));
+  EXPECT_EQ(tiles->made, 1);
+  EXPECT_EQ(service->statistics().tile_flights.shared, 99u);
+}
+
+TEST_F(CellServiceTest, AStoredTileIsAnsweredAtOnce) {
+  std::atomic<bool> has_first{false};
+  const Ticket first = service->tile(tile_id(1), {}, [&](Result<SharedTile>) { has_first = true; });
+  ASSERT_TRUE(eventually([&] { return has_first.load(); }));
+  bool is_answered = false;
+  const Ticket second = service->tile(tile_id(1), {}, [&](Result<SharedTile> tile) { is_answered = tile.has_value(); });
+  EXPECT_TRUE(is_answered);
+  EXPECT_EQ(tiles->made, 1);
+  EXPECT_EQ(store->statistics().hits, 1u);
+  EXPECT_EQ(store->statistics().misses, 1u);
+}
+
+TEST_F(CellServiceTest, DroppingTheLastTicketCancelsRunningWork) {
+  tiles->is_blocking = true;
+  std::atomic<bool> is_answered{false};
+  auto ticket = service->tile(tile_id(1), {}, [&](Result<SharedTile>) { is_answered = true; });
+  auto other = service->tile(tile_id(1), {}, [&](Result<SharedTile>) { is_answered = true; });
+  ASSERT_TRUE(eventually([&] { return tiles->made == 1; }));
+  ticket.release();
+  std::this_thread::sleep_for(5ms);
+  EXPECT_EQ(tiles->cancelled, 0) << "one viewer still waits";
+  other.release();
+  EXPECT_TRUE(eventually([&] { return tiles->cancelled == 1; }));
+  EXPECT_FALSE(is_answered);
+}
+
+TEST_F(CellServiceTest, DroppedTicketsTakeQueuedWorkWithThem) {
+  tiles->is_blocking = true;
+  std::vector<Ticket> busy;
+  for (std::uint8_t x = 0; x < 2; ++x) busy.push_back(service->tile(tile_id(x), {}, [](Result<SharedTile>) {}));
+  ASSERT_TRUE(eventually([&] { return tiles->made == 2; }));
+  std::vector<Ticket> waiting;
+  for (std::uint8_t x = 10; x < 60; ++x) {
+    waiting.push_back(service->tile(tile_id(x), {.prefetch = true}, [](Result<SharedTile>) {}));
+  }
+  EXPECT_EQ(service->statistics().queue.queued, 50u);
+  waiting.clear();
+  EXPECT_EQ(service->statistics().queue.queued, 0u);
+  EXPECT_EQ(tiles->made, 2);
+}
+
+TEST_F(CellServiceTest, FailuresAndExceptionsReachWhoAskedAndAreTriedAgain) {
+  for (const std::uint8_t face : {4, 5}) {
+    for (int attempt = 1; attempt <= 2; ++attempt) {
+      std::atomic<bool> is_done{false};
+      ErrorCode code = ErrorCode::kIo;
+      const Ticket ticket = service->tile(tile_id(0, face), {}, [&](Result<SharedTile> tile) {
+        code = tile ? ErrorCode::kIo : tile.error().code;
+        is_done = true;
+      });
+      ASSERT_TRUE(eventually([&] { return is_done.load(); }));
+      EXPECT_EQ(code, ErrorCode::kInternal);
+    }
+  }
+  EXPECT_EQ(tiles->made, 4);
+}
+
+TEST_F(CellServiceTest, ALeafIsPlannedOnceForAllViewpointsInIt) {
+  std::latch gate(1);
+  leaves->gate = &gate;
+  std::atomic<int> answers{0};
+  std::set<CellId> names;
+  std::mutex mutex;
+  std::vector<Ticket> tickets;
+  for (int i = 0; i < 30; ++i) {  // four finest cells of one leaf: level 1 has one from -1 to 1
+    tickets.push_back(service->leaf({i % 2 - 0.5, i % 4 / 2 - 0.5, 0.5}, {}, [&](Result<SharedPlan> plan) {
+      const std::scoped_lock lock(mutex);
+      if (plan) names.insert((*plan)->leaf);
+      ++answers;
+    }));
+  }
+  gate.count_down();
+  ASSERT_TRUE(eventually([&] { return answers == 30; }));
+  const std::scoped_lock lock(mutex);
+  EXPECT_EQ(names, std::set<CellId>{leaves->grid.cell_at({0.5, 0.5, 0.5}, 1)});
+  EXPECT_EQ(leaves->plans, 1);
+}
+
+TEST_F(CellServiceTest, AKnownLeafIsAnsweredAtOnceFromAnyOfItsViewpoints) {
+  std::atomic<bool> has_first{false};
+  const Ticket first = service->leaf({0.5, 0.5, 0.5}, {}, [&](Result<SharedPlan>) { has_first = true; });
+  ASSERT_TRUE(eventually([&] { return has_first.load(); }));
+  bool is_answered = false;
+  const Ticket second =
+      service->leaf({-0.9, 0.1, -0.2}, {}, [&](Result<SharedPlan> plan) { is_answered = plan.has_value(); });
+  EXPECT_TRUE(is_answered);
+  EXPECT_EQ(leaves->searches, 1);
+}
+
+TEST_F(CellServiceTest, ALeafRequestCanBeWithdrawnInItsSecondHalf) {
+  leaves->is_blocking = true;
+  std::atomic<bool> is_answered{false};
+  auto ticket = service->leaf({0.5, 0.5, 0.5}, {}, [&](Result<SharedPlan>) { is_answered = true; });
+  ASSERT_TRUE(eventually([&] { return leaves->plans == 1; }));
+  ticket.release();
+  EXPECT_TRUE(eventually([&] { return leaves->cancelled == 1; }));
+  EXPECT_FALSE(is_answered);
+}
+
+TEST_F(CellServiceTest, ViewpointsThatAreNoPlacesAreRefused) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    ErrorCode code = ErrorCode::kIo;
+    const Ticket ticket = service->leaf({0, bad, 0}, {}, [&](Result<SharedPlan> plan) { code = plan.error().code; });
+    EXPECT_EQ(code, ErrorCode::kInvalidArgument);
+  }
+}
+
+TEST_F(CellServiceTest, GeometryIsAnsweredAndItsIndicesAreChecked) {
+  std::atomic<int> bytes{0}, refused{0};
+  const auto count = [&](Result<SharedBytes> result) {
+    if (result) bytes += static_cast<int>((*result)->size());
+    if (!result && result.error().code == ErrorCode::kNotFound) ++refused;
+  };
+  const Ticket a = service->chunk(2, {}, count);             // 3 bytes
+  const Ticket b = service->texture_level(0, 1, {}, count);  // 11
+  const Ticket c = service->chunk(3, {}, count);
+  const Ticket d = service->texture_level(0, 2, {}, count);
+  const Ticket e = service->texture_level(1, 0, {}, count);
+  EXPECT_TRUE(eventually([&] { return bytes == 14; }));
+  EXPECT_EQ(refused, 3);
+}
+
+TEST_F(CellServiceTest, CellsReportWhatTheyCost) {
+  std::atomic<int> answers{0};
+  std::vector<Ticket> tickets;
+  for (std::uint8_t x = 0; x < 3; ++x)
+    tickets.push_back(service->tile(tile_id(x), {}, [&](Result<SharedTile>) { ++answers; }));
+  tickets.push_back(service->leaf({0.5, 0.5, 0.5}, {}, [&](Result<SharedPlan>) { ++answers; }));
+  ASSERT_TRUE(eventually([&] { return answers == 4; }));
+  const auto cells = service->cell_statistics();
+  ASSERT_EQ(cells.size(), 2u);
+  EXPECT_EQ(cells[0].tiles, 3u);
+  EXPECT_EQ(cells[0].bytes, 303u);
+  EXPECT_NEAR(cells[0].seconds, 0.03, 1e-12);
+  EXPECT_NEAR(cells[0].intra_seconds, 0.006, 1e-12);
+  EXPECT_TRUE(cells[1].is_leaf);
+  EXPECT_EQ(service->statistics().tile_seconds.count, 3u);
+}
+
+TEST_F(CellServiceTest, DestroyingTheServiceWaitsForItsCancelledWork) {
+  tiles->is_blocking = true;
+  std::vector<Ticket> tickets;
+  for (std::uint8_t x = 0; x < 20; ++x) tickets.push_back(service->tile(tile_id(x), {}, [](Result<SharedTile>) {}));
+  ASSERT_TRUE(eventually([&] { return tiles->made == 2; }));
+  tickets.clear();
+  service.reset();
+  EXPECT_EQ(tiles->cancelled, tiles->made);
+  EXPECT_LT(tiles->made, 20);
+  EXPECT_EQ(pool->queue_statistics().queued, 0u);
+}
+
+}  // namespace
+}  // namespace farfield

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/schedule/worker_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <latch>
+#include <stdexcept>
+
+namespace farfield {
+namespace {
+
+TEST(WorkerPool, RunsJobsOnAllItsThreads) {
+  CastPool pool(2);
+  std::latch both(2);  // passes only if two jobs run at the same time
+  for (int i = 0; i < 2; ++i) pool.queue().push({}, [&both] { both.arrive_and_wait(); });
+  both.wait();
+  EXPECT_EQ(pool.pool_statistics().threads, 2);
+}
+
+TEST(WorkerPool, SurvivesAJobThatThrows) {
+  CastPool pool(1);
+  std::latch done(1);
+  pool.queue().push({}, [] { throw std::runtime_error("oops"); });
+  pool.queue().push({.seconds_until_needed = 1}, [&done] { done.count_down(); });
+  done.wait();
+  EXPECT_EQ(pool.pool_statistics().failed, 1u);
+}
+
+TEST(WorkerPool, CountsWorkedSeconds) {
+  std::atomic<int> ticks{0};
+  JobQueue queue(10);
+  std::latch done(1);
+  {
+    WorkerPool pool(queue, 1, [&ticks] { return static_cast<double>(ticks++); });  // each look at the clock: a second
+    queue.push({}, [] {});
+    queue.push({}, [&done] { done.count_down(); });
+    done.wait();
+    while (pool.statistics().jobs < 2) std::this_thread::yield();
+    EXPECT_DOUBLE_EQ(pool.statistics().busy_seconds, 2.0);
+  }
+}
+
+TEST(WorkerPool, DestructionWaitsForTheRunningJobAndDropsTheRest) {
+  std::atomic<int> ran{0};
+  std::latch begun(1);
+  {
+    CastPool pool(1);
+    pool.queue().push({}, [&] {
+      begun.count_down();
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      ++ran;
+    });
+    begun.wait();
+    for (int i = 0; i < 50; ++i) {
+      pool.queue().push({}, [&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        ++ran;
+      });
+    }
+  }
+  EXPECT_GE(ran, 1);
+  EXPECT_LT(ran, 50);
+}
+
+}  // namespace
+}  // namespace farfield
