@@ -20,9 +20,10 @@ struct alignas(64) RayPacket {
   std::uint32_t active = 0xffff;
 };
 
+/// Lanes that do not take part hold kNoHit as `part`.
 struct alignas(64) HitPacket {
   float distance[kPacketSize];                                            // ray parameter; unchanged `far` on a miss
-  float normal_x[kPacketSize], normal_y[kPacketSize], normal_z[kPacketSize];  // geometric, scene frame, not unit
+  float normal_x[kPacketSize], normal_y[kPacketSize], normal_z[kPacketSize];  // geometric, scene frame; length = 2·area
   float u[kPacketSize], v[kPacketSize];                                   // barycentric weights of vertices 1 and 2
   std::uint32_t part[kPacketSize];                                        // Scene part (see scene.h), kNoHit on a miss
   std::uint32_t primitive[kPacketSize];                                   // triangle within the part's mesh

@@ -20,8 +20,9 @@
 
 namespace farfield {
 
-/// A placed mesh: one instance. Meshes used once (or small ones used rarely) are flattened: their vertices are stored
-/// in the scene frame and the transform is the identity.
+/// A stored mesh and where it stands. Meshes used once, and small ones, are flattened: all triangles of one texture
+/// and mask become one stored mesh in the scene frame, whose transform is the identity. Larger meshes placed more than
+/// once are stored once, each placement being a part.
 struct ScenePart {
   std::uint32_t mesh = 0;                 // index into the scene's stored meshes
   glm::mat4x3 scene_from_mesh{1};
@@ -30,7 +31,8 @@ struct ScenePart {
 
 /// One placed chunk as near geometry sees it.
 struct SceneChunk {
-  ContentHash hash = 0;                   // of its encoded bytes: the same for all placements of an instanced mesh
+  ContentHash hash = 0;                   // of its content (vertices, indices, texture, mask), not of its encoded bytes:
+                                          // the same for all placements of an instanced mesh
   std::uint32_t part = 0;
   std::uint32_t stored_chunk = 0;         // index for encoded_chunk()
   std::uint32_t triangles = 0;
@@ -47,16 +49,21 @@ struct SceneStatistics {
 
 class Scene {
  public:
-  /// Takes the model's meshes over. Cost: O(n log n); Embree builds on all TBB workers of the calling arena.
+  /// Takes the model's meshes over. Cost: O(n log n), on all TBB workers of the calling arena. Positions are snapped to
+  /// a power-of-two grid (scene_frame.h) and uvs to 2⁻¹⁸, so that chunks encode without loss and rays meet exactly
+  /// what the client draws. Triangles without area on that grid, or with non-finite vertices, are left out.
+  /// Errors: kBadData (an index or array size of the model that does not fit, or nothing to draw).
   static Result<std::shared_ptr<const Scene>> build(Model model);
   ~Scene();
 
   const std::string& name() const;
   const glm::dvec3& origin() const;           // world position of the scene frame's zero
   const Box& bounds() const;                  // scene frame
-  ContentHash hash() const;                   // of geometry, materials and textures: part of every cache key
+  ContentHash hash() const;                   // of geometry, materials and textures in the scene frame (a scene moved
+                                              // with its origin keeps it): part of every cache key
   const SceneStatistics& statistics() const;
   glm::u8vec3 background() const;             // sRGB
+  std::span<const ScenePart> parts() const;
 
   // ── rays ──
   /// First hits of sixteen coherent rays. Alpha-masked texels let rays through.

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shading against hand computation, and textures against what filtering in linear light must give.
+#include <gtest/gtest.h>
+
+#include "common/shading/shading.h"
+#include "server/scene/texture_set.h"
+#include "tests/unit/server/scene/scene_models.h"
+
+namespace farfield {
+namespace {
+
+using namespace test;
+
+TextureImage checkerboard(int width, int height) {
+  TextureImage image{width, height, {}, "checkerboard"};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) image.rgba.insert(image.rgba.end(), 3, (x + y) % 2 ? 255 : 0), image.rgba.push_back(255);
+  return image;
+}
+
+TEST(Shade, InterpolatesTheRadianceOfVerticesAsClientsReceiveThem) {
+  Mesh mesh;
+  add_triangle(mesh, {0, 0, 0}, {4, 0, 1}, {0, 3, 2});
+  mesh.normals = {{0, 1, 0}, glm::normalize(glm::vec3(1, 2, -3)), glm::normalize(glm::vec3(-1, 0.2f, 0.1f))};
+  mesh.colours = {{200, 10, 40, 255}, {255, 255, 0, 255}, {0, 128, 255, 255}};
+  Model model = model_of(mesh);
+  model.materials[0].base_colour = {255, 128, 64, 255};
+  const auto scene = build(std::move(model));
+  const Chunk chunk = scene->chunk_geometry(0);
+  const glm::dmat4x3 place = scene->chunks()[0].scene_from_chunk;
+  glm::vec3 radiance[3], corner[3];
+  for (int k = 0; k < 3; ++k) {
+    const ChunkVertex& vertex = chunk.vertices[chunk.indices[static_cast<std::size_t>(k)]];
+    radiance[k] = vertex_radiance(decode_normal(vertex.normal), vertex.colour);
+    corner[k] = place * glm::dvec4(vertex.position, 1);
+  }
+  // Base colour times vertex colour, in linear light.
+  EXPECT_EQ(chunk.vertices[chunk.indices[0]].colour.g, linear_to_srgb(srgb_to_linear(128) * srgb_to_linear(10)));
+  const float u = 0.2f, v = 0.5f;
+  const glm::vec3 target = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
+  RayPacket rays = packet_from(target + glm::vec3(0.3f, 0.2f, 5));
+  for (int i = 0; i < kPacketSize; ++i) aim(rays, i, -glm::vec3(0.3f, 0.2f, 5));
+  rays.active = 0x8001;
+  HitPacket hits;
+  scene->intersect(rays, hits);
+  float rgb[3 * kPacketSize];
+  std::fill_n(rgb, 3 * kPacketSize, -1.0f);
+  scene->shade(rays, hits, 0.001f, rgb);
+  const glm::vec3 expected = (1 - u - v) * radiance[0] + u * radiance[1] + v * radiance[2];
+  for (const int lane : {0, 15})
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[3 * lane + c], expected[c], 1e-5f);
+  EXPECT_EQ(rgb[3], -1.0f) << "lanes that take no part are untouched";
+}
+
+TEST(Shade, FlatTrianglesHaveTheLightOfTheirPlaneFromBothSides) {
+  const auto scene = build(model_of(square()));
+  for (const float side : {1.0f, -1.0f}) {
+    RayPacket rays = packet_from({0.4f, 0.3f, side});
+    for (int i = 0; i < kPacketSize; ++i) aim(rays, i, {0, 0, -side});
+    HitPacket hits;
+    scene->intersect(rays, hits);
+    float rgb[3 * kPacketSize];
+    scene->shade(rays, hits, 0.001f, rgb);
+    EXPECT_FLOAT_EQ(rgb[0], vertex_light({0, 0, 1}));
+  }
+}
+
+TEST(Shade, FootprintChoosesTheMipLevel) {
+  // The first level is a checkerboard; from level 1 on everything is mid grey in linear light: seeing how far a look-up
+  // is from grey tells the level that was used.
+  const auto contrast = [](float distance, float pixel_angle, const glm::vec3& direction) {
+    Model model = model_of(square(1));
+    model.textures.push_back(checkerboard(64, 64));
+    model.materials[0].texture = 0;
+    const auto scene = build(std::move(model));
+    // The centre of a white texel: (10.5, 21.5)/64.
+    const glm::vec3 target(10.5f / 64, 21.5f / 64, 0);
+    RayPacket rays = packet_from(target - direction * distance);
+    for (int i = 0; i < kPacketSize; ++i) aim(rays, i, direction);
+    HitPacket hits;
+    scene->intersect(rays, hits);
+    float rgb[3 * kPacketSize];
+    scene->shade(rays, hits, pixel_angle, rgb);
+    return rgb[0] / vertex_light({0, 0, 1});
+  };
+  const float grey = srgb_to_linear(linear_to_srgb(0.5f));
+  const glm::vec3 straight(0, 0, -1);
+  EXPECT_NEAR(contrast(1, 0.9f / 64, straight), 1.0f, 1e-3f) << "less than a texel: level 0";
+  EXPECT_NEAR(contrast(1, std::sqrt(2.0f) / 64, straight), 0.5f * (1 + grey), 5e-3f) << "two texels' area: level 1/2";
+  EXPECT_NEAR(contrast(1, 2.0f / 64, straight), grey, 5e-3f) << "four texels' area: level 1";
+  EXPECT_NEAR(contrast(0.5f, 2.0f * std::sqrt(2.0f) / 64, straight), 0.5f * (1 + grey), 5e-3f) << "footprints grow with distance";
+  EXPECT_NEAR(contrast(1, std::sqrt(2.0f) / 64, 0.25f * straight), contrast(0.25f, std::sqrt(2.0f) / 64, straight), 1e-4f)
+      << "the length of the direction does not matter";
+  const glm::vec3 inclined = glm::normalize(glm::vec3(0, std::sqrt(3.0f), -1));  // cosine 1/2
+  EXPECT_NEAR(contrast(0.1f, 10.0f / 64, inclined), 0.5f * (1 + grey), 5e-3f) << "inclination widens footprints";
+}
+
+TEST(Mip, CheckerboardAveragesInLinearLight) {
+  for (const auto& [width, height] : {std::pair{8, 8}, {64, 16}, {2, 2}}) {
+    const std::vector<MipLevel> chain = build_mip_chain(checkerboard(width, height), {});
+    for (std::size_t level = 1; level < chain.size(); ++level)
+      for (const std::uint32_t texel : chain[level].texels) {
+        EXPECT_EQ(texel & 255, 188u) << "half the light is code 188, not 128";
+        EXPECT_EQ(texel >> 24, 255u);
+      }
+  }
+}
+
+TEST(Mip, OddSizesKeepTheMean) {
+  TextureImage image{7, 5, {}, "gradient"};
+  double mean = 0;
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 7; ++x) {
+      const auto code = static_cast<std::uint8_t>(20 + 30 * x + 4 * y);
+      image.rgba.insert(image.rgba.end(), {code, code, code, 255});
+      mean += srgb_to_linear(code) / 35.0;
+    }
+  const std::vector<MipLevel> chain = build_mip_chain(image, {});
+  ASSERT_EQ(chain.size(), 3u);
+  EXPECT_EQ(chain[1].width, 3);
+  EXPECT_EQ(chain[1].height, 2);
+  EXPECT_EQ(chain[2].texels.size(), 1u);
+  EXPECT_EQ(chain[2].texels[0] & 255, linear_to_srgb(static_cast<float>(mean)));
+}
+
+TEST(Mip, HiddenColoursDoNotBleedAndCoverageStays) {
+  // Thin white stripes, one in five, between transparent black.
+  TextureImage image{80, 80, {}, "fence"};
+  for (int i = 0; i < 80 * 80; ++i) {
+    const bool is_wire = i % 80 % 5 == 0;
+    image.rgba.insert(image.rgba.end(), 3, is_wire ? 255 : 0);
+    image.rgba.push_back(is_wire ? 255 : 0);
+  }
+  const std::vector<MipLevel> chain = build_mip_chain(image, {true, 0.5f, 4096});
+  for (std::size_t level = 1; level < 4; ++level) {
+    double covered = 0;
+    for (const std::uint32_t texel : chain[level].texels) {
+      covered += (texel >> 24) >= 128 ? 1 : 0;
+      if ((texel >> 24) != 0) {
+        EXPECT_GT(texel & 255, 245u) << "black from the holes";
+      }
+    }
+    EXPECT_NEAR(covered / static_cast<double>(chain[level].texels.size()), 0.2, 0.21) << "level " << level;
+    EXPECT_GT(covered, 0) << "without scaling, 0.2 < cutoff would make the fence vanish at level " << level;
+  }
+}
+
+TEST(Mip, LargeImagesStartAtTheFirstHalvingThatFits) {
+  const std::vector<MipLevel> chain = build_mip_chain(checkerboard(64, 20), {false, 0.5f, 20});
+  EXPECT_EQ(chain[0].width, 16);
+  EXPECT_EQ(chain[0].height, 5);
+}
+
+TEST(TextureSet, RepeatsAndInterpolatesBetweenTexelCentres) {
+  TextureImage image{2, 1, {0, 0, 0, 255, 255, 0, 0, 51}, "two"};
+  TextureSet set;
+  set.add(image, {true, 0.1f, 4096});
+  EXPECT_NEAR(set.sample(0, {0.25f, 0.5f}, 0).r, 0.0f, 1e-6f);
+  EXPECT_NEAR(set.sample(0, {0.75f, 0.5f}, 0).r, 1.0f, 1e-6f);
+  EXPECT_NEAR(set.sample(0, {0.5f, 0.1f}, 0).r, 0.5f, 1e-6f);
+  EXPECT_NEAR(set.sample(0, {1.0f, 0.9f}, 0).r, 0.5f, 1e-6f);
+  EXPECT_NEAR(set.sample(0, {-3.25f, 7.5f}, 0).r, 1.0f, 1e-6f);
+  EXPECT_NEAR(set.sample_alpha(0, {0.75f, 0.5f}), 0.2f, 1e-6f);
+  EXPECT_EQ(set.sample(0, {0.3f, 0.5f}, 99.0f), set.sample(0, {0.8f, 0.1f}, 1.0f)) << "past the last level";
+}
+
+}  // namespace
+}  // namespace farfield
