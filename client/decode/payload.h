@@ -28,7 +28,7 @@ struct EncodedPayload {
   SharedBytes bytes;
 };
 
-/// One of the three is set, by name.kind.
+/// One of the three is set, by name.kind; none for a tile that turned out to hold nothing.
 struct DecodedPayload {
   PayloadName name;
   std::shared_ptr<const DecodedTile> tile;

@@ -21,7 +21,12 @@ bool is_late(const LeafView* view, const glm::dvec3& eye) {
 
 void LeafSets::announce(LeafSet set) {
   auto tracked = std::make_shared<TrackedLeafSet>(std::move(set), frame_, store_);
-  for (const ContentHash item : bad_) tracked->mark_abandoned(item);
+  // What this set needs and was withheld may find room now: the server has to know that it is not here.
+  std::erase_if(withheld_, [&](const auto& gone) {
+    if (!tracked->is_needed(gone.second)) return false;
+    evicted_.push_back(gone.first);
+    return true;
+  });
   // A newer list for the same leaf takes the place of the older one, unless that is on the screen.
   std::erase_if(sets_, [&](const Tracked& old) {
     return old != shown_ && old->set().leaf == tracked->set().leaf && old->set().is_fallback == tracked->set().is_fallback;
@@ -32,37 +37,62 @@ void LeafSets::announce(LeafSet set) {
 }
 
 void LeafSets::mark_all_sent(std::uint64_t serial) {
-  for (const Tracked& set : sets_) {
-    if (set->set().serial == serial) set->mark_all_sent();
-  }
+  // Serials begin anew with a new session: the newest set of that serial is meant.
+  const auto set = std::find_if(sets_.rbegin(), sets_.rend(),
+                                [&](const Tracked& candidate) { return candidate->set().serial == serial; });
+  if (set != sets_.rend()) (*set)->mark_all_sent();
 }
 
 void LeafSets::receive(DecodedPayload payload) {
   const ContentHash item = payload.name.item();
-  bad_.erase(item);
   if (!make_room(payload)) {
+    report_gone(payload.name.key, item);
+    if (!is_needed_by_role(item)) return;
+    ++given_up_;
     // A finer texture level without room changes nothing; an item without room is one its sets do without.
     if (store_.contains(item)) return;
-    ++given_up_;
     for (const Tracked& set : sets_) {
       if (is_role(set)) set->mark_abandoned(item);
     }
     return;
   }
-  const bool is_pinned = std::any_of(sets_.begin(), sets_.end(),
-                                     [&](const Tracked& set) { return is_role(set) && set->is_needed(item); });
-  store_.insert(std::move(payload), is_pinned);
+  store_.insert(std::move(payload), is_needed_by_role(item));
   for (const Tracked& set : sets_) set->mark_arrived(item);
   if (shown_ && shown_->is_needed(item)) is_stale_ = true;
 }
 
+void LeafSets::receive_empty(const PayloadName& name) {
+  DecodedPayload nothing;
+  nothing.name = name;
+  nothing.memory_bytes = sizeof(DecodedPayload);
+  receive(std::move(nothing));
+}
+
 void LeafSets::abandon(const PayloadName& name) {
   const ContentHash item = name.item();
+  report_gone(name.key, item);
   if (store_.contains(item)) return;  // a bad finer level of a texture that can be drawn
-  constexpr std::size_t kMostBadItems = 4096;
-  if (bad_.size() >= kMostBadItems) bad_.clear();
-  bad_.insert(item);
-  for (const Tracked& set : sets_) set->mark_abandoned(item);
+  for (const Tracked& set : sets_) {
+    if (is_role(set)) set->mark_abandoned(item);
+  }
+}
+
+void LeafSets::report_gone(ContentHash payload, ContentHash item) {
+  if (is_needed_by_role(item)) {
+    withheld_[payload] = item;
+  } else {
+    evicted_.push_back(payload);
+  }
+}
+
+void LeafSets::forget_reports() {
+  evicted_.clear();
+  withheld_.clear();
+}
+
+bool LeafSets::is_needed_by_role(ContentHash item) const {
+  return (shown_ && shown_->is_needed(item)) || (awaited_ && awaited_->is_needed(item)) ||
+         (fallback_ && fallback_->is_needed(item));
 }
 
 void LeafSets::set_eye(const glm::dvec3& eye) {
@@ -147,11 +177,13 @@ void LeafSets::assign_roles() {
   const std::array<Tracked, 3> roles{shown_, awaited_, fallback_};
   if (roles == pinning_) return;
   for (const Tracked& former : pinning_) {
-    // There may be room next time; what cannot be decoded stays abandoned.
-    if (!former || is_role(former)) continue;
-    former->restore_abandoned();
-    for (const ContentHash item : bad_) former->mark_abandoned(item);
+    if (former && !is_role(former)) former->restore_abandoned();
   }
+  std::erase_if(withheld_, [&](const auto& gone) {
+    if (is_needed_by_role(gone.second)) return false;
+    evicted_.push_back(gone.first);
+    return true;
+  });
   std::unordered_set<ContentHash> pins;
   for (const Tracked& role : roles) {
     if (role) pins.insert(role->needs().begin(), role->needs().end());

@@ -9,12 +9,16 @@
 // Memory: what the shown and the awaited set need is pinned. If these alone exceed the budget, room is made in this
 // order: finest texture levels of the awaited set, then of the shown one; then the farthest items of whichever of the
 // two holds more than its half. A set is complete without what it gave up, so there is always progress.
+//
+// The server sends again at once what it is told has gone and the current set needs. So what a pinned set gave up is
+// withheld from the server until no pinned set needs it, or a new set asks for it: otherwise it would come for ever.
 #pragma once
 
 #include <array>
 #include <glm/glm.hpp>
 #include <memory>
-#include <unordered_set>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "client/decode/decode_pool.h"
@@ -40,9 +44,13 @@ class LeafSets {
   void announce(LeafSet set);
   void mark_all_sent(std::uint64_t serial);
   void receive(DecodedPayload payload);
+  /// A tile that turned out to hold nothing.
+  void receive_empty(const PayloadName& name);
   /// A payload that cannot be decoded: sets become complete without it.
   void abandon(const PayloadName& name);
   void set_eye(const glm::dvec3& eye);
+  /// The server is about to be told afresh what is held (Hello).
+  void forget_reports();
 
   /// Chooses what to show. `with_refinement`: also when only a detail of the shown set has changed, or the set on
   /// the screen is not complete yet; callers limit how often. Returns: whether view() is a new one.
@@ -62,7 +70,7 @@ class LeafSets {
   bool is_redundant(const PayloadName& name) const;
   const PayloadStore& store() const { return store_; }
   /// Payload keys that have gone, for the server, since the last call.
-  std::vector<ContentHash> take_evicted() { return store_.take_evicted_payloads(); }
+  std::vector<ContentHash> take_evicted() { return std::exchange(evicted_, {}); }
   std::size_t given_up() const { return given_up_; }
 
  private:
@@ -79,7 +87,9 @@ class LeafSets {
   bool give_up_farthest(const Tracked& set, const Tracked& other, const PayloadName& arriving);
   std::size_t resident_bytes(const TrackedLeafSet& set) const;
   void give_up(ContentHash item);
+  bool is_needed_by_role(ContentHash item) const;
   void note_evictions();
+  void report_gone(ContentHash payload, ContentHash item);
   void forget_surplus();
 
   const SceneFrame frame_;
@@ -90,7 +100,8 @@ class LeafSets {
   Tracked shown_, awaited_, fallback_;       // the roles that pin
   std::array<Tracked, 3> pinning_;           // the roles by which the store's pins were last set
   std::uint64_t roles_version_ = 0;
-  std::unordered_set<ContentHash> bad_;      // items whose bytes did not decode
+  std::vector<ContentHash> evicted_;         // payload keys to report
+  std::unordered_map<ContentHash, ContentHash> withheld_;  // payload key to item
   std::shared_ptr<const LeafView> view_;
   bool is_stale_ = false;                    // the shown set has changed since view_ was made
   std::size_t given_up_ = 0;

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // How LeafSets makes room when the store is full. The order is that of leaf_sets.h.
-#include <algorithm>
-
 #include "client/store/leaf_sets.h"
 
 namespace farfield::client {
@@ -10,8 +8,7 @@ bool LeafSets::make_room(const DecodedPayload& payload) {
   const ContentHash item = payload.name.item();
   const std::size_t bytes = payload.memory_bytes;
   if (bytes > store_.budget_bytes()) return false;
-  const bool is_needed = std::any_of(sets_.begin(), sets_.end(),
-                                     [&](const Tracked& set) { return is_role(set) && set->is_needed(item); });
+  const bool is_needed = is_needed_by_role(item);
   bool has_room = store_.make_room(bytes);
   // What no role needs displaces only what no role needs.
   while (!has_room && is_needed && give_up_one(payload.name)) has_room = store_.make_room(bytes);
@@ -82,8 +79,10 @@ std::size_t LeafSets::resident_bytes(const TrackedLeafSet& set) const {
 }
 
 void LeafSets::note_evictions() {
-  for (const ContentHash item : store_.take_evicted_items()) {
-    for (const Tracked& set : sets_) set->mark_evicted(item);
+  for (const PayloadStore::Gone& gone : store_.take_gone()) {
+    report_gone(gone.payload, gone.item);
+    if (store_.contains(gone.item)) continue;
+    for (const Tracked& set : sets_) set->mark_evicted(gone.item);
   }
 }
 

@@ -119,7 +119,7 @@ bool PayloadStore::drop_finest_level(ContentHash texture) {
   const std::size_t freed = level_bytes(item.texture->levels.back());
   size_bytes_ -= freed;
   item.bytes -= freed;
-  evicted_payloads_.push_back(item.level_keys.back());
+  gone_.push_back({item.level_keys.back(), texture});
   item.level_keys.pop_back();
   item.texture = std::move(coarser);
   return true;
@@ -133,12 +133,8 @@ void PayloadStore::erase(Items::iterator at) {
   Item& item = at->second;
   size_bytes_ -= item.bytes;
   order_of(item.is_pinned).erase(item.use);
-  if (item.texture) {
-    evicted_payloads_.insert(evicted_payloads_.end(), item.level_keys.begin(), item.level_keys.end());
-  } else {
-    evicted_payloads_.push_back(at->first);
-  }
-  evicted_items_.push_back(at->first);
+  if (!item.texture) gone_.push_back({at->first, at->first});
+  for (const ContentHash level : item.level_keys) gone_.push_back({level, at->first});
   items_.erase(at);
 }
 

@@ -42,9 +42,12 @@ class PayloadStore {
   /// Drops an item, pinned or not.
   void erase(ContentHash item);
 
-  /// Payload keys and items gone since the last call.
-  std::vector<ContentHash> take_evicted_payloads() { return std::exchange(evicted_payloads_, {}); }
-  std::vector<ContentHash> take_evicted_items() { return std::exchange(evicted_items_, {}); }
+  struct Gone {
+    ContentHash payload = 0;
+    ContentHash item = 0;  // it belonged to; still there if only a texture's finest level has gone
+  };
+  /// What has gone since the last call.
+  std::vector<Gone> take_gone() { return std::exchange(gone_, {}); }
   /// Payload keys held, the most recently used first, at most `count`: what a reconnecting client still has.
   std::vector<ContentHash> held_payloads(std::size_t count) const;
 
@@ -72,7 +75,7 @@ class PayloadStore {
   std::size_t size_bytes_ = 0;
   Items items_;
   std::list<ContentHash> pinned_, unpinned_;  // least recently used first
-  std::vector<ContentHash> evicted_payloads_, evicted_items_;
+  std::vector<Gone> gone_;
 };
 
 }  // namespace farfield::client
