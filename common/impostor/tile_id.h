@@ -16,8 +16,8 @@ inline constexpr int kTileSamples = 128;
 inline constexpr int kTileStride = kTileSamples - 2;
 /// Side of the blocks in which delta views are packed: JPEG's block, so that packing costs no extra coefficients.
 inline constexpr int kBlockSamples = 8;
-/// A delta view's face is divided into regions of this many blocks along an edge (63·8 = 504 samples).
-inline constexpr int kRegionBlocks = 63;
+/// A delta view's face is divided into regions of this many blocks along an edge (16·8 = 128 samples).
+inline constexpr int kRegionBlocks = 16;
 inline constexpr int kRegionSamples = kRegionBlocks * kBlockSamples;
 
 inline constexpr std::uint8_t kIntraView = 0;

@@ -53,8 +53,8 @@ Tile packed_tile() {
   tile.edge_samples = face_samples(12);
   tile.disparity_tolerance = 2e-4f;
   std::mt19937 random(5);
-  for (int x = 63; x < 90; ++x)
-    for (int y = 3; y < 40; ++y)
+  for (int x = kRegionBlocks; x < 2 * kRegionBlocks; ++x)
+    for (int y = 2; y < kRegionBlocks; ++y)
       if (random() % 3 == 0) tile.blocks.push_back({static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y)});
   tile.width = packed_width(tile.blocks.size()), tile.height = packed_height(tile.blocks.size());
   const std::size_t n = tile.samples();

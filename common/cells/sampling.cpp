@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/cells/sampling.h"
+
+#include <algorithm>
+
+#include "common/math/cube_face.h"
+
+namespace farfield {
+namespace {
+
+// Largest |e x D0| / |D0 - e·d|² over the face, with the eye displaced by `eye`.
+double face_gain(int face, const glm::dvec3& eye, double nearest) {
+  constexpr int kSteps = 16;
+  const CubeFace frame = CubeFace::of(face);
+  double worst = 0;
+  for (int i = 0; i <= kSteps; ++i)
+    for (int j = 0; j <= kSteps; ++j) {
+      const glm::dvec3 direction = frame.direction(2.0 * i / kSteps - 1, 2.0 * j / kSteps - 1);
+      const double turning = glm::length(glm::cross(eye, direction));
+      for (int k = 0; k <= kSteps; ++k) {
+        const glm::dvec3 seen = direction - eye * (k / (kSteps * nearest));
+        worst = std::max(worst, turning / glm::dot(seen, seen));
+      }
+    }
+  return worst;
+}
+
+double gain(const glm::dvec3& view_offset, double margin, double eye_range) {
+  double worst = 0;
+  for (int face = 0; face < kCubeFaces; ++face) {
+    const CubeFace frame = CubeFace::of(face);
+    const double nearest = 0.5 + margin - frame.sign * view_offset[frame.axis];
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 eye{corner & 1 ? eye_range : -eye_range, corner & 2 ? eye_range : -eye_range,
+                           corner & 4 ? eye_range : -eye_range};
+      worst = std::max(worst, face_gain(face, eye - view_offset, nearest));
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+double edge_samples_for(const Display& display, double kappa) {
+  return 2.0 * (kappa + 0.5) / (kappa * display.pixel_pitch());
+}
+
+double warp_gain(const glm::dvec3& view_offset, double kappa) { return gain(view_offset, kappa, 0.5); }
+
+double disparity_tolerance(const glm::dvec3& view_offset, double kappa, double tau_px, const Display& display) {
+  return tau_px * display.pixel_pitch() / warp_gain(view_offset, kappa);
+}
+
+double fallback_disparity_tolerance(double tau_px, const Display& display) {
+  return tau_px * display.pixel_pitch() / gain(glm::dvec3(0), 0.0, 0.25);
+}
+
+}  // namespace farfield

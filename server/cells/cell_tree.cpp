@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/cells/cell_tree.h"
+
+namespace farfield {
+namespace {
+
+constexpr std::size_t kRememberedVisibilities = 16;
+
+const std::atomic<bool>* pointer(const CancelFlag& flag) { return flag.get(); }
+
+}  // namespace
+
+CellTree::CellTree(std::shared_ptr<const Scene> scene, const NestedShells& shells, std::uint32_t near_triangles)
+    : scene_(std::move(scene)), shells_(shells), near_triangles_(near_triangles) {
+  scene_root_ = shells_.grid.enclosing(scene_->bounds());
+}
+
+CellId CellTree::root_for(const glm::dvec3& viewpoint) const {
+  CellId root = scene_root_;
+  while (root.level < kMaxCellLevel && !shells_.grid.box(root).contains(viewpoint)) root = root.parent();
+  return root;
+}
+
+Result<CellId> CellTree::leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) {
+  const CellId root = root_for(viewpoint);
+  for (int level = root.level;; --level) {
+    const CellId cell = shells_.grid.cell_at(viewpoint, level);
+    const Result<Kind> kind = classify(cell, cancel);
+    if (!kind) return tl::unexpected(kind.error());
+    if (*kind == Kind::kLeaf) return cell;
+  }
+}
+
+Result<CellTree::Kind> CellTree::classify(const CellId& cell, const CancelFlag& cancel) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = kinds_.find(cell); found != kinds_.end()) return found->second;
+  }
+  const auto decide = [&]() -> Result<Kind> {
+    if (cell.level == 0) return Kind::kLeaf;
+    const Box near_box = shells_.near_region(cell);
+    std::size_t all = 0;
+    for (const std::uint32_t chunk : scene_->chunks_in(near_box)) all += scene_->chunks()[chunk].triangles;
+    if (all <= near_triangles_) return Kind::kLeaf;
+    // A coarse probe finds most of what is visible: enough to reject a cell that is far above the budget.
+    VisibilityProbe coarse{.edge = 32, .enough_triangles = near_triangles_, .finds_thin_chunks = false, .cancel = pointer(cancel)};
+    if (probe_visibility(*scene_, shells_.grid.box(cell), near_box, coarse).is_cut_short)
+      return is_cancelled(cancel) ? Result<Kind>(fail(ErrorCode::kCancelled, "cancelled")) : Result<Kind>(Kind::kInner);
+    const auto fine = visibility(cell, cancel);
+    if (!fine) return tl::unexpected(fine.error());
+    return (*fine)->near_triangles <= near_triangles_ ? Kind::kLeaf : Kind::kInner;
+  };
+  const Result<Kind> kind = decide();
+  if (kind) {
+    const std::lock_guard lock(mutex_);
+    kinds_.emplace(cell, *kind);
+  }
+  return kind;
+}
+
+Result<std::shared_ptr<const BoxVisibility>> CellTree::visibility(const CellId& cell, const CancelFlag& cancel) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto i = recent_.begin(); i != recent_.end(); ++i)
+      if (i->first == cell) {
+        recent_.splice(recent_.begin(), recent_, i);
+        return recent_.front().second;
+      }
+  }
+  auto made = std::make_shared<BoxVisibility>(
+      probe_visibility(*scene_, shells_.grid.box(cell), shells_.near_region(cell), {.cancel = pointer(cancel)}));
+  if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
+  const std::lock_guard lock(mutex_);
+  recent_.emplace_front(cell, made);
+  if (recent_.size() > kRememberedVisibilities) recent_.pop_back();
+  return made;
+}
+
+}  // namespace farfield

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cell octree of one scene: lazily and deterministically subdivided until the near geometry of a cell fits the
+// budget (Aliaga 1998, chapter 3: a bound on geometry for every viewpoint; here leaves lie at different levels).
+#pragma once
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+
+#include "common/cells/nested_shells.h"
+#include "server/cells/leaf_plan.h"
+#include "server/visibility/box_visibility.h"
+
+namespace farfield {
+
+class CellTree {
+ public:
+  CellTree(std::shared_ptr<const Scene> scene, const NestedShells& shells, std::uint32_t near_triangles);
+
+  /// The smallest ancestor-closed cell that holds the scene; grown by doubling until it holds `viewpoint` as well.
+  CellId root_for(const glm::dvec3& viewpoint) const;
+  CellId scene_root() const { return scene_root_; }
+
+  /// The leaf that holds a viewpoint. Casts rays only where no earlier call has decided. Errors: kCancelled.
+  Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel);
+
+  /// What can be seen from a leaf, at full density. Remembers the last few. Errors: kCancelled.
+  Result<std::shared_ptr<const BoxVisibility>> visibility(const CellId& cell, const CancelFlag& cancel);
+
+ private:
+  enum class Kind { kLeaf, kInner };
+  Result<Kind> classify(const CellId& cell, const CancelFlag& cancel);
+
+  const std::shared_ptr<const Scene> scene_;
+  const NestedShells shells_;
+  const std::uint32_t near_triangles_;
+  CellId scene_root_;
+
+  std::mutex mutex_;  // guards everything below; never held while rays are cast
+  std::unordered_map<CellId, Kind> kinds_;
+  std::list<std::pair<CellId, std::shared_ptr<const BoxVisibility>>> recent_;  // newest first
+};
+
+}  // namespace farfield

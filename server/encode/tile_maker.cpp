@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/encode/tile_maker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/thread_clock.h"
+#include "common/cells/sampling.h"
+#include "common/codec/tile_codec.h"
+
+namespace farfield {
+
+TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
+                     const ImpostorSettings& settings, const CellId& root)
+    : scene_(std::move(scene)), catalogue_(std::move(catalogue)), shells_(shells), settings_(settings), root_(root) {}
+
+Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWork& work) {
+  if (id.view == kFallbackView) {
+    const CellSpace space = CellSpace::of_fallback(shells_, id.cell);
+    const int edge = face_samples(std::max(1, settings_.face_tiles / 4));
+    return cast_dense_tile(*scene_, space, space.box.center(), id, edge, warp_gain(glm::dvec3(0), settings_.kappa),
+                           fallback_disparity_tolerance(settings_.tau_px, settings_.display), work);
+  }
+  const auto views = catalogue_->views(id.cell, cancel);
+  if (!views) return tl::unexpected(views.error());
+  const std::vector<glm::dvec3>& positions = (*views)->positions;
+  if (id.view >= positions.size()) return fail(ErrorCode::kNotFound, "a cell with {} views has no view {}", positions.size(), id.view);
+  const CellSpace space = CellSpace::of_shell(shells_, id.cell, root_);
+  const glm::dvec3 offset = (positions[id.view] - space.box.center()) / space.side_m;
+  const double gain = warp_gain(offset, settings_.kappa);
+  const double tolerance = settings_.tau_px * settings_.display.pixel_pitch() / gain;
+  Tile tile;
+  if (id.is_delta()) {
+    DeltaSkips skips;
+    tile = cast_delta_tile(*scene_, space, positions, id, settings_.edge_samples(), gain, tolerance, work, skips);
+    skips_.blocks_probed += skips.blocks_probed, skips_.blocks_cast += skips.blocks_cast, skips_.samples_held += skips.samples_held;
+  } else {
+    tile = cast_dense_tile(*scene_, space, positions[0], id, settings_.edge_samples(), gain, tolerance, work);
+  }
+  tile.certificate = {static_cast<float>((*views)->void_worst_sr), static_cast<float>((*views)->void_mean_sr), -1.0f,
+                      static_cast<float>(settings_.tau_px)};
+  return tile;
+}
+
+Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, const CancelFlag& cancel) {
+  if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
+  const double start = thread_seconds();
+  TileWork work;
+  const Result<Tile> tile = cast(id, cancel, work);
+  if (!tile) return tl::unexpected(tile.error());
+  auto result = std::make_shared<EncodedTile>();
+  result->intra_seconds = id.view == kIntraView ? work.intra_seconds : 0;
+  skips_.rays += work.rays, ++skips_.tiles;
+  const bool is_empty = std::find(tile->coverage.begin(), tile->coverage.end(), 1) == tile->coverage.end();
+  if (is_empty) {
+    ++skips_.tiles_empty;
+    result->bytes = std::make_shared<const Bytes>();
+  } else {
+    TileBytes bytes;
+    Result<Bytes> encoded = encode_tile(*tile, {settings_.jpeg_quality}, &bytes);
+    if (!encoded) return tl::unexpected(encoded.error());
+    result->hash = hash_bytes(*encoded);
+    result->bytes = std::make_shared<const Bytes>(std::move(*encoded));
+    result->covered_samples = bytes.covered_samples;
+    result->colour_bytes = bytes.colour;
+    result->disparity_bytes = bytes.disparity;
+    result->other_bytes = bytes.topology + bytes.other;
+  }
+  result->seconds = thread_seconds() - start;
+  return std::shared_ptr<const EncodedTile>(result);
+}
+
+double finest_side_for(const Scene& scene, double wanted_m) {
+  const glm::dvec3 extent = scene.bounds().extent();
+  const double largest = std::max({extent.x, extent.y, extent.z, 1e-9});
+  // 64 finest cells along a scene are enough to walk through it; rounded down to a power of two, so that cell borders
+  // are exact.
+  return std::exp2(std::floor(std::log2(std::min(wanted_m, largest / 64))));
+}
+
+ImpostorSources make_impostor_sources(std::shared_ptr<const Scene> scene, const ImpostorSettings& settings) {
+  const NestedShells shells{CellGrid{settings.finest_side_m}, settings.kappa};
+  ImpostorSources sources;
+  sources.tree = std::make_shared<CellTree>(scene, shells, settings.near_triangles);
+  const CellId root = sources.tree->scene_root();
+  auto catalogue = std::make_shared<ViewCatalogue>(scene, shells, settings, root);
+  sources.leaves = std::make_shared<LeafPlanner>(scene, sources.tree, catalogue, shells, settings);
+  sources.tiles = std::make_shared<TileMaker>(scene, catalogue, shells, settings, root);
+  return sources;
+}
+
+}  // namespace farfield

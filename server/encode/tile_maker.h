@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Makes and encodes tiles: the TileSource of a scene.
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "server/encode/tile_source.h"
+#include "server/impostor/delta_tile.h"
+#include "server/impostor/leaf_planner.h"
+
+namespace farfield {
+
+/// What was not cast, kept or sent, and why: counted since start.
+struct SkipCounters {
+  std::atomic<std::uint64_t> tiles_empty{0}, blocks_probed{0}, blocks_cast{0}, samples_held{0}, rays{0}, tiles{0};
+};
+
+class TileMaker : public TileSource {
+ public:
+  TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
+            const ImpostorSettings& settings, const CellId& root);
+
+  Result<std::shared_ptr<const EncodedTile>> make(const TileId& id, const CancelFlag& cancel) override;
+
+  /// The tile before encoding: for tests and for comparing with truth.
+  Result<Tile> cast(const TileId& id, const CancelFlag& cancel, TileWork& work);
+  const SkipCounters& skips() const { return skips_; }
+
+ private:
+  const std::shared_ptr<const Scene> scene_;
+  const std::shared_ptr<ViewCatalogue> catalogue_;
+  const NestedShells shells_;
+  const ImpostorSettings settings_;
+  const CellId root_;
+  SkipCounters skips_;
+};
+
+/// A leaf source and a tile source that share the tree and the views of one scene.
+struct ImpostorSources {
+  std::shared_ptr<CellTree> tree;
+  std::shared_ptr<LeafPlanner> leaves;
+  std::shared_ptr<TileMaker> tiles;
+};
+ImpostorSources make_impostor_sources(std::shared_ptr<const Scene> scene, const ImpostorSettings& settings);
+
+/// The settings' finest side for a scene: `wanted_m`, or less for scenes so small that cells of that size would hold them
+/// whole; always a power of two.
+double finest_side_for(const Scene& scene, double wanted_m);
+
+}  // namespace farfield

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/impostor/connectivity.h"
+
+#include <cmath>
+
+namespace farfield {
+namespace {
+
+// A connection to place: from sample `first` one step along i or j to `second`.
+struct Edge {
+  int first, second;
+  bool is_down;
+};
+
+// Which end a ray between the two samples saw: the nearer guess of two planes, or the covered end if only one is.
+bool sees_first(const Edge& edge, const SampleArrays& s, float at, bool hit, float disparity) {
+  const bool first = s.covered[edge.first], second = s.covered[edge.second];
+  if (!first || !second) return hit == first;
+  if (!hit) return s.disparity[edge.first] < s.disparity[edge.second];  // past both: the farther surface has ended
+  const std::vector<float>& gradient = edge.is_down ? s.gradient_j : s.gradient_i;
+  const float from_first = std::abs(s.disparity[edge.first] + gradient[edge.first] * at - disparity);
+  const float from_second = std::abs(s.disparity[edge.second] - gradient[edge.second] * (1 - at) - disparity);
+  // Curved surfaces leave their tangent planes near a silhouette: the ends' own disparities vote as well.
+  const float first_end = std::min(from_first, std::abs(s.disparity[edge.first] - disparity));
+  const float second_end = std::min(from_second, std::abs(s.disparity[edge.second] - disparity));
+  return first_end <= second_end;
+}
+
+// Three rays per edge halve the interval three times: the eighth in which the first surface ends.
+void bisect(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const SampleArrays& samples,
+            const std::vector<Edge>& edges, const std::vector<int>& sample_i, const std::vector<int>& sample_j, Tile& tile) {
+  RayPacket rays;
+  HitPacket hits;
+  for (std::size_t base = 0; base < edges.size(); base += kPacketSize) {
+    const int count = static_cast<int>(std::min<std::size_t>(kPacketSize, edges.size() - base));
+    int low[kPacketSize] = {};
+    for (int step = 4; step >= 1; step /= 2) {
+      rays.active = count == kPacketSize ? 0xffffu : (1u << count) - 1;
+      for (int lane = 0; lane < count; ++lane) {
+        const Edge& edge = edges[base + lane];
+        const double at = (low[lane] + step) / 8.0;
+        set_ray(rays, lane, frame.position,
+                frame.direction(sample_i[edge.first] + (edge.is_down ? 0 : at), sample_j[edge.first] + (edge.is_down ? at : 0)),
+                space.shell);
+      }
+      scene.intersect(rays, hits);
+      for (int lane = 0; lane < count; ++lane) {
+        const bool hit = hits.part[lane] != kNoHit;
+        const float disparity = hit ? static_cast<float>(frame.side_m / hits.distance[lane]) : 0.0f;
+        const float at = static_cast<float>(low[lane] + step) / 8.0f;
+        if (sees_first(edges[base + lane], samples, at, hit, disparity)) low[lane] += step;
+      }
+    }
+    for (int lane = 0; lane < count; ++lane) {
+      const Edge& edge = edges[base + lane];
+      (edge.is_down ? tile.cut_down : tile.cut_right)[edge.first] = static_cast<std::uint8_t>(low[lane] + 1);
+    }
+  }
+}
+
+}  // namespace
+
+ConnectionLimits connection_limits(const ViewFrame& frame, double warp_gain) {
+  // Wilson & Manocha's threshold angle: 25 degrees between a connection and the line of sight.
+  constexpr double kCotangent = 2.14;
+  return {static_cast<float>(frame.pitch / warp_gain), static_cast<float>(kCotangent)};
+}
+
+bool is_connected(float a, float ga, float b, float gb, const ConnectionLimits& limits, float pitch) {
+  const float error_at_b = a + ga - b, error_at_a = b - gb - a;
+  if (std::abs(error_at_b) <= limits.one_sample && std::abs(error_at_a) <= limits.one_sample) return true;
+  // Planes a + ga·s and b - gb·(1 - s) meet at s.
+  const float slope = ga - gb, s = (b - gb - a) / slope;
+  if (std::isfinite(s) && s >= 0 && s <= 1) return true;
+  // Test 2: z = 1/d; |Δz| against the footprint z·pitch: |a - b|/min(a, b) against pitch.
+  return std::abs(a - b) <= limits.angle_slope * pitch * std::min(a, b);
+}
+
+void find_cuts(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const SampleArrays& samples,
+               const ConnectionLimits& limits, const TileNeighbours& neighbours, const std::vector<int>& sample_i,
+               const std::vector<int>& sample_j, Tile& tile) {
+  std::vector<Edge> edges;
+  const float pitch = static_cast<float>(frame.pitch);
+  const auto classify = [&](int first, int second, bool is_down) {
+    std::vector<std::uint8_t>& cuts = is_down ? tile.cut_down : tile.cut_right;
+    cuts[first] = kConnected;
+    if (second < 0 || (!tile.coverage[first] && !tile.coverage[second])) return;
+    const std::vector<float>& gradient = is_down ? samples.gradient_j : samples.gradient_i;
+    const bool connected = samples.covered[first] && samples.covered[second] &&
+                           is_connected(samples.disparity[first], gradient[first], samples.disparity[second], gradient[second], limits, pitch);
+    if (!connected) {
+      edges.push_back({first, second, is_down});
+    } else if (!tile.coverage[first] || !tile.coverage[second]) {
+      cuts[first] = tile.coverage[first] ? 8 : 1;  // the other end is held by another view
+    }
+  };
+  const int size = static_cast<int>(tile.samples());
+  for (int index = 0; index < size; ++index) {
+    if (sample_i[index] < 0) continue;
+    classify(index, neighbours.right(index), false);
+    classify(index, neighbours.down(index), true);
+  }
+  bisect(scene, space, frame, samples, edges, sample_i, sample_j, tile);
+}
+
+}  // namespace farfield

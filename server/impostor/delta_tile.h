@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tile of a delta view: only what no earlier view of the shell holds.
+//
+// Based on: Wilson & Manocha 2003, section 4.1 (incremental meshes, redundant samples dropped within an epsilon that
+// grows with distance). Differs: whether an earlier view holds a surface point is asked of the scene (is the segment
+// between them free?), not of that view's samples, so a tile depends on no other tile and can be made alone.
+#pragma once
+
+#include "server/impostor/dense_tile.h"
+
+namespace farfield {
+
+struct DeltaSkips {
+  std::size_t blocks_probed = 0, blocks_cast = 0;   // blocks without a void are never cast
+  std::size_t samples_held = 0;                     // cast, but redundant
+};
+
+/// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe (two rays per block) finds blocks
+/// with voids; these and their neighbours are cast whole; samples that an earlier view holds at no less than half the
+/// resolution are dropped, except for a one-sample border that meets the held surface.
+/// Returns: a packed tile, without blocks if nothing is missing.
+Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
+                     int edge_samples, double warp_gain, double tolerance, TileWork& work, DeltaSkips& skips);
+
+}  // namespace farfield

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/impostor/dense_tile.h"
+
+#include <algorithm>
+
+#include "common/base/thread_clock.h"
+
+namespace farfield {
+
+Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec3& view, const TileId& id, int edge_samples,
+                     double warp_gain, double tolerance, TileWork& work) {
+  Tile tile;
+  tile.id = id;
+  tile.edge_samples = edge_samples;
+  tile.view_offset = glm::vec3((view - space.box.center()) / space.side_m);
+  tile.disparity_tolerance = static_cast<float>(tolerance);
+  tile.width = tile.height = kTileSamples;
+  const std::size_t size = tile.samples();
+  const ViewFrame frame = ViewFrame::of(space, view, id.face, edge_samples);
+  const int first_i = id.x * kTileStride, first_j = id.y * kTileStride;
+
+  const double start = thread_seconds();
+  SampleArrays samples(size);
+  for (int y = 0; y < kTileSamples; y += 4)
+    for (int x = 0; x < kTileSamples; x += 4) {
+      int i[kPacketSize], j[kPacketSize], index[kPacketSize];
+      for (int lane = 0; lane < kPacketSize; ++lane) {
+        const int column = x + lane % 4, row = y + lane / 4;
+        i[lane] = first_i + column, j[lane] = first_j + row;
+        index[lane] = row * kTileSamples + column;
+      }
+      cast_samples(scene, space, frame, i, j, index, samples);
+    }
+  work.intra_seconds += thread_seconds() - start;
+  work.rays += size;
+
+  tile.coverage = samples.covered;
+  if (std::find(tile.coverage.begin(), tile.coverage.end(), 1) == tile.coverage.end()) return tile;
+  tile.cut_right.assign(size, 0), tile.cut_down.assign(size, 0);
+  std::vector<int> sample_i(size), sample_j(size);
+  for (int index = 0; index < static_cast<int>(size); ++index) {
+    sample_i[index] = first_i + index % kTileSamples;
+    sample_j[index] = first_j + index / kTileSamples;
+  }
+  find_cuts(scene, space, frame, samples, connection_limits(frame, warp_gain), TileNeighbours(tile), sample_i, sample_j, tile);
+  tile.disparity = std::move(samples.disparity);
+  tile.rgb = std::move(samples.rgb);
+  return tile;
+}
+
+}  // namespace farfield

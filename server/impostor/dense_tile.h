@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tile of an intra or fallback view: all samples cast.
+#pragma once
+
+#include "server/impostor/connectivity.h"
+
+namespace farfield {
+
+struct TileWork {
+  double intra_seconds = 0;       // thread time of casting and shading one ray per sample
+  std::size_t rays = 0;
+};
+
+/// Returns: the tile without certificate; covered nowhere if the shell holds nothing there.
+/// Requires: id names a tile of a dense view; `tolerance` in 1/side.
+Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec3& view, const TileId& id, int edge_samples,
+                     double warp_gain, double tolerance, TileWork& work);
+
+}  // namespace farfield

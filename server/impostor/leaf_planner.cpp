@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/impostor/leaf_planner.h"
+
+#include <algorithm>
+#include <map>
+
+#include "common/base/thread_clock.h"
+#include "common/cells/sampling.h"
+
+namespace farfield {
+namespace {
+
+// The tile or region of a view that a direction falls into.
+TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, int edge_samples) {
+  const int face = dominant_face(direction);
+  const CubeFace frame = CubeFace::of(face);
+  const double scale = 1.0 / std::abs(direction[frame.axis]);
+  const double i = sample_index(edge_samples, direction[frame.u_axis()] * scale);
+  const double j = sample_index(edge_samples, direction[frame.v_axis()] * scale);
+  TileId id{cell, static_cast<std::uint8_t>(view), static_cast<std::uint8_t>(face), 0, 0};
+  const int step = id.is_delta() ? kRegionSamples : kTileStride;
+  const int count = id.is_delta() ? face_regions(edge_samples) : face_tiles(edge_samples);
+  const auto place = [&](double index) { return static_cast<std::uint8_t>(std::clamp(static_cast<int>(index) / step, 0, count - 1)); };
+  id.x = place(i), id.y = place(j);
+  return id;
+}
+
+// What one shell contributes: tiles seen, with the solid angle they cover (summed over viewpoints).
+class ShellNeeds {
+ public:
+  ShellNeeds(const Scene& scene, CellSpace space, std::shared_ptr<const ShellViews> views, const ImpostorSettings& settings)
+      : scene_(scene), space_(space), views_(std::move(views)), edge_samples_(settings.edge_samples()) {
+    slack_ = disparity_tolerance(glm::dvec3(0), settings.kappa, settings.tau_px, settings.display) * (0.5 + settings.kappa);
+  }
+
+  void add(const FarHit& hit) {
+    const glm::dvec3 direction = glm::dvec3(hit.point) - views_->positions[0];
+    seen_[tile_towards(space_.cell, kIntraView, direction, edge_samples_)] += hit.solid_angle;
+    // The probe is sparse: what it saw within a sixth of a tile of a border may reach across it.
+    const double reach = (kTileStride / 6.0) * sample_pitch(edge_samples_) * glm::length(direction);
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double sign : {-reach, reach}) {
+        glm::dvec3 beside = direction;
+        beside[axis] += sign;
+        seen_[tile_towards(space_.cell, kIntraView, beside, edge_samples_)] += 0;
+      }
+    // Whether a delta view is wanted takes a ray: every fourth hit is asked.
+    if (views_->positions.size() > 1 && ++count_ % 4 == 0) {
+      waiting_.push_back(hit);
+      if (waiting_.size() == kPacketSize) ask_delta_views();
+    }
+  }
+  void finish(std::vector<NeededTile>& tiles, double spheres) {
+    if (!waiting_.empty()) ask_delta_views();
+    std::vector<NeededTile> mine;
+    for (const auto& [id, solid_angle] : seen_) mine.push_back({id, static_cast<float>(solid_angle / spheres)});
+    std::stable_sort(mine.begin(), mine.end(), [](const NeededTile& a, const NeededTile& b) {
+      if (a.id.is_delta() != b.id.is_delta()) return b.id.is_delta();
+      return a.view_share > b.view_share;
+    });
+    tiles.insert(tiles.end(), mine.begin(), mine.end());
+  }
+
+ private:
+  void ask_delta_views() {
+    std::uint32_t open = (1u << waiting_.size()) - 1;
+    for (std::size_t view = 0; view < views_->positions.size() && open; ++view) {
+      RayPacket rays;
+      rays.active = open;
+      for (std::size_t k = 0; k < waiting_.size(); ++k)
+        set_segment(rays, static_cast<int>(k), views_->positions[view], waiting_[k].point, space_, slack_);
+      const std::uint32_t held = open & ~scene_.occluded(rays);
+      for (std::size_t k = 0; view > 0 && k < waiting_.size(); ++k)
+        if (held >> k & 1)
+          seen_[tile_towards(space_.cell, static_cast<int>(view), glm::dvec3(waiting_[k].point) - views_->positions[view],
+                             edge_samples_)] += 4 * waiting_[k].solid_angle;
+      open &= ~held;
+    }
+    waiting_.clear();
+  }
+
+  const Scene& scene_;
+  const CellSpace space_;
+  const std::shared_ptr<const ShellViews> views_;
+  const int edge_samples_;
+  double slack_;
+  std::size_t count_ = 0;
+  std::vector<FarHit> waiting_;
+  std::map<TileId, double> seen_;
+};
+
+std::vector<TileId> fallback_tiles(const CellId& leaf, const ImpostorSettings& settings) {
+  std::vector<TileId> tiles;
+  const int count = std::max(1, settings.face_tiles / 4);
+  for (int face = 0; face < kCubeFaces; ++face)
+    for (int y = 0; y < count; ++y)
+      for (int x = 0; x < count; ++x)
+        tiles.push_back({leaf, kFallbackView, static_cast<std::uint8_t>(face), static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y)});
+  return tiles;
+}
+
+}  // namespace
+
+LeafPlanner::LeafPlanner(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree,
+                         std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells, const ImpostorSettings& settings)
+    : scene_(std::move(scene)), tree_(std::move(tree)), catalogue_(std::move(catalogue)), shells_(shells), settings_(settings) {}
+
+Result<CellId> LeafPlanner::leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) {
+  return tree_->leaf_at(viewpoint, cancel);
+}
+
+Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, const CancelFlag& cancel) {
+  const double start = thread_seconds();
+  const auto visibility = tree_->visibility(leaf, cancel);
+  if (!visibility) return tl::unexpected(visibility.error());
+  const BoxVisibility& seen = **visibility;
+
+  auto plan = std::make_shared<LeafPlan>();
+  plan->leaf = leaf;
+  plan->root = tree_->scene_root().level > leaf.level ? tree_->scene_root() : leaf;
+  if (!leaf.is_within(plan->root)) plan->root = leaf.ancestor(std::max<int>(plan->root.level, leaf.level));
+  // A leaf beside the scene's root: climb until one ancestor's near region holds the scene.
+  while (plan->root.level < kMaxCellLevel && !shells_.near_region(plan->root).contains(scene_->bounds())) plan->root = plan->root.parent();
+  plan->chunks = seen.near_chunks;
+  const glm::dvec3 center = shells_.grid.box(leaf).center();
+  const auto distance = [&](std::uint32_t chunk) {
+    const Box& b = scene_->chunks()[chunk].bounds;
+    return glm::distance(center, glm::clamp(center, b.min, b.max));
+  };
+  std::sort(plan->chunks.begin(), plan->chunks.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const double da = distance(a), db = distance(b);
+    return da < db || (!(db < da) && a < b);
+  });
+  plan->near_triangles = static_cast<std::uint32_t>(seen.near_triangles);
+  plan->exceeds_budget = seen.near_triangles > settings_.near_triangles;
+  plan->background_visible = seen.escapes;
+  plan->fallback_tiles = fallback_tiles(leaf, settings_);
+
+  std::vector<std::unique_ptr<ShellNeeds>> shells(plan->root.level + 1);
+  for (const FarHit& hit : seen.far_hits) {
+    const int level = shells_.shell_at(leaf, plan->root, glm::dvec3(hit.point));
+    if (level == NestedShells::kNear) continue;  // a chunk that reaches across the border
+    if (!shells[level]) {
+      const CellId cell = leaf.ancestor(level);
+      const auto views = catalogue_->views(cell, cancel);
+      if (!views) return tl::unexpected(views.error());
+      shells[level] = std::make_unique<ShellNeeds>(*scene_, CellSpace::of_shell(shells_, cell, plan->root), *views, settings_);
+    }
+    shells[level]->add(hit);
+  }
+  constexpr double kSphere = 4 * 3.14159265358979323846;
+  for (const auto& shell : shells)
+    if (shell) shell->finish(plan->tiles, kSphere * static_cast<double>(std::max<std::size_t>(1, seen.viewpoints)));
+  if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
+  plan->seconds = thread_seconds() - start;
+  return std::shared_ptr<const LeafPlan>(plan);
+}
+
+}  // namespace farfield

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a leaf cell to what a viewer in it needs: visibility before casting. Only tiles that some ray from the leaf
+// reaches are ever made: in a closed room the outer shells cost nothing.
+#pragma once
+
+#include <list>
+#include <mutex>
+#include <unordered_map>
+
+#include "server/cells/cell_tree.h"
+#include "server/impostor/view_catalogue.h"
+
+namespace farfield {
+
+class LeafPlanner : public LeafSource {
+ public:
+  LeafPlanner(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue,
+              const NestedShells& shells, const ImpostorSettings& settings);
+
+  Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) override;
+  Result<std::shared_ptr<const LeafPlan>> plan(const CellId& leaf, const CancelFlag& cancel) override;
+
+ private:
+  Result<std::shared_ptr<const LeafPlan>> make_plan(const CellId& leaf, const CancelFlag& cancel);
+
+  const std::shared_ptr<const Scene> scene_;
+  const std::shared_ptr<CellTree> tree_;
+  const std::shared_ptr<ViewCatalogue> catalogue_;
+  const NestedShells shells_;
+  const ImpostorSettings settings_;
+};
+
+}  // namespace farfield

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/impostor/shell_views.h"
+
+#include <algorithm>
+
+#include "common/cells/sampling.h"
+#include "server/impostor/voronoi.h"
+#include "server/visibility/standpoints.h"
+
+namespace farfield {
+namespace {
+
+constexpr int kProbeEdge = 48;  // rays per face edge and candidate: 1.9 degrees, averaged over all candidates
+
+// A surface point that a candidate sees in the shell and no view holds yet.
+struct Unheld {
+  glm::vec3 point;
+  float solid_angle;
+};
+
+struct Candidate {
+  glm::dvec3 position;
+  std::vector<Unheld> unheld;
+  double void_sr = 0;
+};
+
+class ViewSearch {
+ public:
+  ViewSearch(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings)
+      : scene_(scene), space_(space), settings_(settings) {
+    slack_ = disparity_tolerance(glm::dvec3(0), settings.kappa, settings.tau_px, settings.display) * (0.5 + settings.kappa);
+  }
+
+  void add_candidate(const glm::dvec3& position) {
+    for (const Candidate& known : candidates_)
+      if (glm::distance(known.position, position) < 0.05 * space_.side_m) return;
+    Candidate candidate{position, {}, 0};
+    cast_sphere(scene_, position, kProbeEdge, {0.5, 0.5}, space_.shell,
+                [&](const RayPacket& rays, const HitPacket& hits, const double* weight) {
+                  for (int lane = 0; lane < kPacketSize; ++lane)
+                    if (hits.part[lane] != kNoHit)
+                      candidate.unheld.push_back({glm::vec3(hit_point(rays, hits, lane)), static_cast<float>(weight[lane])});
+                });
+    for (const glm::dvec3& view : views_) drop_held(candidate, view);
+    candidates_.push_back(std::move(candidate));
+  }
+  void add_view(const glm::dvec3& position) {
+    views_.push_back(position);
+    for (Candidate& candidate : candidates_) drop_held(candidate, position);
+  }
+  std::size_t worst() const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < candidates_.size(); ++i)
+      if (candidates_[i].void_sr > candidates_[best].void_sr) best = i;
+    return best;
+  }
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  const std::vector<glm::dvec3>& views() const { return views_; }
+
+ private:
+  void drop_held(Candidate& candidate, const glm::dvec3& view) const {
+    std::size_t kept = 0;
+    for (std::size_t first = 0; first < candidate.unheld.size(); first += kPacketSize) {
+      const std::size_t count = std::min<std::size_t>(kPacketSize, candidate.unheld.size() - first);
+      RayPacket rays;
+      rays.active = count == kPacketSize ? 0xffffu : (1u << count) - 1;
+      for (std::size_t k = 0; k < count; ++k)
+        set_segment(rays, static_cast<int>(k), view, candidate.unheld[first + k].point, space_, slack_);
+      const std::uint32_t hidden = scene_.occluded(rays);
+      for (std::size_t k = 0; k < count; ++k)
+        if (hidden >> k & 1) candidate.unheld[kept++] = candidate.unheld[first + k];
+    }
+    candidate.unheld.resize(kept);
+    candidate.void_sr = 0;
+    for (const Unheld& u : candidate.unheld) candidate.void_sr += u.solid_angle;
+  }
+
+  const Scene& scene_;
+  const CellSpace& space_;
+  const ImpostorSettings& settings_;
+  double slack_;
+  std::vector<Candidate> candidates_;
+  std::vector<glm::dvec3> views_;
+};
+
+}  // namespace
+
+glm::dvec3 snap_to_cell(const CellSpace& space, const glm::dvec3& position) {
+  constexpr double kSteps = 1024;
+  const glm::dvec3 center = space.box.center();
+  return center + glm::round((position - center) / space.side_m * kSteps) / kSteps * space.side_m;
+}
+
+ShellViews choose_views(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings,
+                        const std::atomic<bool>* cancel) {
+  ShellViews result;
+  Standpoints stand = find_standpoints(scene, space.box);
+  const glm::dvec3 center = space.box.center();
+  const auto nearest_to = [&](const glm::dvec3& target) {
+    return *std::min_element(stand.points.begin(), stand.points.end(), [&](const glm::dvec3& a, const glm::dvec3& b) {
+      return glm::distance(a, target) < glm::distance(b, target);
+    });
+  };
+  result.positions.push_back(snap_to_cell(space, nearest_to(center)));
+  ViewSearch search(scene, space, settings);
+  search.add_view(result.positions[0]);
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at = center + 0.5 * space.side_m * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+    search.add_candidate(snap_to_cell(space, nearest_to(at)));
+  }
+  result.first_void_sr = search.candidates().empty() ? 0 : search.candidates()[search.worst()].void_sr;
+  const double target = settings.void_target * 4 * 3.14159265358979323846;
+  // Nobody can stand in the cell: one view is enough for whoever flies through.
+  const int limit = stand.all_blocked ? 0 : std::min<int>(settings.delta_views, kMaxDeltaViews);
+  while (static_cast<int>(result.positions.size()) <= limit && !(cancel && cancel->load())) {
+    if (result.positions.size() == 3)  // enough sites for a diagram worth having, and cheap enough to try its vertices
+      for (const glm::dvec3& vertex : voronoi_vertices(search.views(), space.box))
+        if (is_free(scene, vertex)) search.add_candidate(snap_to_cell(space, vertex));
+    if (search.candidates().empty()) break;
+    const Candidate& worst = search.candidates()[search.worst()];
+    if (worst.void_sr <= target) break;
+    const glm::dvec3 position = worst.position;
+    search.add_view(position);
+    result.positions.push_back(position);
+  }
+  for (const Candidate& candidate : search.candidates()) {
+    result.void_worst_sr = std::max(result.void_worst_sr, candidate.void_sr);
+    result.void_mean_sr += candidate.void_sr / static_cast<double>(search.candidates().size());
+  }
+  return result;
+}
+
+}  // namespace farfield

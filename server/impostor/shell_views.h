@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the views of a cell's impostor stand: fixed for the whole shell by a coarse probe, before any tile is made.
+//
+// Based on: Wilson & Manocha 2003, section 3 (greedy choice of the candidate that sees the most void; candidates are
+// reachable corners, then vertices of the Voronoi diagram of the views so far). Differs: void is measured by rays, which
+// ask of a surface point directly whether some view sees it, instead of by drawing skins.
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "server/impostor/cell_space.h"
+
+namespace farfield {
+
+struct ShellViews {
+  std::vector<glm::dvec3> positions;   // scene frame; [0] is the intra view, then delta views in order of worth
+  double void_worst_sr = 0;            // left after all views, at the worst candidate
+  double void_mean_sr = 0;
+  double first_void_sr = 0;            // worst before any delta view
+};
+
+/// Deterministic: depends on scene, settings and cell only. Some hundred thousand rays.
+ShellViews choose_views(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings,
+                        const std::atomic<bool>* cancel);
+
+/// View positions are snapped to this fraction of the side, so that offsets are exact floats.
+glm::dvec3 snap_to_cell(const CellSpace& space, const glm::dvec3& position);
+
+}  // namespace farfield

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The views of every shell asked for so far, each chosen once.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+
+#include "server/cells/leaf_plan.h"
+#include "server/impostor/shell_views.h"
+
+namespace farfield {
+
+/// Thread-safe. Bounded: forgets everything beyond 65,536 cells and chooses again, with the same result.
+class ViewCatalogue {
+ public:
+  ViewCatalogue(std::shared_ptr<const Scene> scene, const NestedShells& shells, const ImpostorSettings& settings, const CellId& root)
+      : scene_(std::move(scene)), shells_(shells), settings_(settings), root_(root) {}
+
+  /// Errors: kCancelled. Casts some hundred thousand rays the first time; callers that meet wait for each other.
+  Result<std::shared_ptr<const ShellViews>> views(const CellId& cell, const CancelFlag& cancel);
+
+ private:
+  struct Entry {
+    std::mutex mutex;
+    std::shared_ptr<const ShellViews> views;
+  };
+  const std::shared_ptr<const Scene> scene_;
+  const NestedShells shells_;
+  const ImpostorSettings settings_;
+  const CellId root_;
+  std::mutex mutex_;  // guards entries_, not what they point to
+  std::unordered_map<CellId, std::shared_ptr<Entry>> entries_;
+};
+
+}  // namespace farfield

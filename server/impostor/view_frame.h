@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// One face of one view: where its samples look, and what they found.
+#pragma once
+
+#include <vector>
+
+#include "common/math/cube_face.h"
+#include "server/impostor/cell_space.h"
+
+namespace farfield {
+
+/// Sample (i, j), fractions allowed, looks along direction(i, j), whose component along the face's axis is 1: a ray's
+/// parameter is then z in metres, and disparity in 1/side is side/z.
+struct ViewFrame {
+  CubeFace face;
+  int edge_samples = 0;
+  glm::dvec3 position{0};   // scene frame
+  double side_m = 1;
+  double pitch = 0;         // tangent units per sample
+
+  static ViewFrame of(const CellSpace& space, const glm::dvec3& position, int face, int edge_samples) {
+    return {CubeFace::of(face), edge_samples, position, space.side_m, sample_pitch(edge_samples)};
+  }
+  double u(double i) const { return sample_tangent(edge_samples, i); }
+  glm::dvec3 direction(double i, double j) const { return face.direction(u(i), u(j)); }
+  /// The mean angle a sample covers, for texture footprints: the root of its solid angle.
+  float sample_angle(double i, double j) const {
+    const double square = 1 + u(i) * u(i) + u(j) * u(j);
+    return static_cast<float>(pitch / std::pow(square, 0.75));
+  }
+};
+
+/// What a set of rays found, [index] as its owner arranges it.
+struct SampleArrays {
+  std::vector<std::uint8_t> covered;
+  std::vector<float> disparity;     // 1/side
+  std::vector<float> gradient_i;    // of the surface's tangent plane: disparity per sample to the right …
+  std::vector<float> gradient_j;    // … and downwards
+  std::vector<std::uint8_t> rgb;    // sRGB
+
+  explicit SampleArrays(std::size_t size = 0)
+      : covered(size, 0), disparity(size, 0.0f), gradient_i(size, 0.0f), gradient_j(size, 0.0f), rgb(3 * size, 0) {}
+};
+
+/// Disparity and its gradient where lane `lane` hit. A plane n·P = c is d = side·(n·D)/c at direction D, linear in D.
+struct SurfacePlane {
+  float disparity, gradient_i, gradient_j;
+};
+inline SurfacePlane plane_at(const ViewFrame& frame, const RayPacket& rays, const HitPacket& hits, int lane) {
+  const double disparity = frame.side_m / hits.distance[lane];
+  const float normal[3] = {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]};
+  const double facing = double{normal[0]} * rays.direction_x[lane] + double{normal[1]} * rays.direction_y[lane] +
+                        double{normal[2]} * rays.direction_z[lane];
+  const double scale = disparity * frame.pitch / facing;
+  const double gi = normal[frame.face.u_axis()] * scale, gj = normal[frame.face.v_axis()] * scale;
+  // A surface seen exactly edge-on has no slope that could be used: call it steep.
+  const auto finite = [](double g) { return static_cast<float>(std::isfinite(g) ? std::clamp(g, -1e3, 1e3) : 1e3); };
+  return {static_cast<float>(disparity), finite(gi), finite(gj)};
+}
+
+/// Casts and shades 16 samples at grid positions (i[k], j[k]) and stores what they hit at index[k] (index < 0: skipped).
+void cast_samples(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const int* i, const int* j,
+                  const int* index, SampleArrays& out);
+
+}  // namespace farfield
