@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/warp/fill_voids.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace farfield::client {
+namespace {
+
+struct Filling {
+  std::size_t pixel = 0, source = 0;  // the pixel takes the source's surface
+};
+
+bool is_covered(Coverage c) { return c != Coverage::kBackground; }
+
+/// Which squares of radius × radius pixels hold anything: far from everything, nothing encloses.
+class Occupancy {
+ public:
+  Occupancy(const Frame& frame, int radius)
+      : radius_(radius), columns_((frame.width + radius - 1) / radius), rows_((frame.height + radius - 1) / radius) {
+    states_.resize(static_cast<std::size_t>(columns_) * rows_);
+    tbb::parallel_for(0, rows_, [&](int row) {
+      for (int y = row * radius; y < std::min((row + 1) * radius, frame.height); ++y) {
+        const Coverage* line = frame.coverage.data() + static_cast<std::size_t>(y) * frame.width;
+        for (int column = 0; column < columns_; ++column) {
+          std::uint8_t& state = states_[static_cast<std::size_t>(row) * columns_ + column];
+          const int end = std::min((column + 1) * radius, frame.width);
+          int covered = 0, open = 0;
+          for (int x = column * radius; x < end; ++x) {
+            covered |= is_covered(line[x]);
+            open |= !is_covered(line[x]);
+          }
+          state |= static_cast<std::uint8_t>(covered | open << 1);
+        }
+      }
+    });
+  }
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  bool has_open(int column, int row) const { return states_[static_cast<std::size_t>(row) * columns_ + column] & 2; }
+  bool is_surrounded_by_nothing(int column, int row) const {
+    for (int j = std::max(row - 1, 0); j <= std::min(row + 1, rows_ - 1); ++j) {
+      for (int i = std::max(column - 1, 0); i <= std::min(column + 1, columns_ - 1); ++i) {
+        if (states_[static_cast<std::size_t>(j) * columns_ + i] & 1) return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  int radius_, columns_, rows_;
+  std::vector<std::uint8_t> states_;  // bit 0: something is covered, bit 1: something is not
+};
+
+constexpr std::size_t kNone = ~std::size_t{0};
+
+/// Looks from (x, y) in eight directions. Returns: the pixel whose surface fills it, or kNone for the sky.
+std::size_t find_source(const Frame& frame, int x, int y, int radius, bool background_visible) {
+  constexpr std::array<std::array<int, 2>, 4> kDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+  std::size_t farthest = kNone, farthest_near = kNone;
+  bool is_enclosed = false;
+  const auto look = [&](int dx, int dy) {
+    int i = x, j = y;
+    for (int step = 1; step <= radius; ++step) {
+      i += dx;
+      j += dy;
+      if (i < 0 || j < 0 || i >= frame.width || j >= frame.height) return kNone;
+      const std::size_t at = static_cast<std::size_t>(j) * frame.width + i;
+      if (is_covered(frame.coverage[at])) return at;
+    }
+    return kNone;
+  };
+  const auto consider = [&](std::size_t at) {
+    if (at == kNone) return false;
+    const bool is_near = frame.coverage[at] == Coverage::kNear;
+    std::size_t& best = is_near ? farthest_near : farthest;
+    if (best == kNone || frame.disparity[at] < frame.disparity[best]) best = at;
+    return !is_near;
+  };
+  for (const auto& [dx, dy] : kDirections) {
+    const std::size_t ahead = look(dx, dy), behind = look(-dx, -dy);
+    const bool impostor_ahead = consider(ahead), impostor_behind = consider(behind);
+    is_enclosed |= ahead != kNone && behind != kNone && (impostor_ahead || impostor_behind);
+  }
+  if (background_visible && !is_enclosed) return kNone;
+  return farthest != kNone ? farthest : farthest_near;
+}
+
+void copy_pixel(Frame& frame, const Filling& filling) {
+  std::memcpy(&frame.rgba[4 * filling.pixel], &frame.rgba[4 * filling.source], 4);
+  frame.disparity[filling.pixel] = frame.disparity[filling.source];
+  frame.coverage[filling.pixel] = Coverage::kVoidFilled;
+}
+
+/// Fills all that is left, however far from any surface: along each row from whichever end is farther away, and rows
+/// without any surface from the row above, or below. A frame with nothing in it keeps its colour.
+std::uint64_t fill_rest(Frame& frame) {
+  std::uint64_t filled = 0;
+  const auto width = static_cast<std::size_t>(frame.width);
+  std::vector<std::uint8_t> has_surface(frame.height, 0);
+  for (int y = 0; y < frame.height; ++y) {
+    const std::size_t begin = y * width, end = begin + width;
+    std::size_t left = kNone;
+    for (std::size_t at = begin; at < end;) {
+      if (is_covered(frame.coverage[at])) {
+        left = at++;
+        continue;
+      }
+      std::size_t right = at;
+      while (right < end && !is_covered(frame.coverage[right])) ++right;
+      std::size_t source = left;
+      if (right < end && (left == kNone || frame.disparity[right] < frame.disparity[left])) source = right;
+      filled += right - at;
+      for (; at < right; ++at) {
+        if (source != kNone) {
+          copy_pixel(frame, {at, source});
+        } else {
+          frame.coverage[at] = Coverage::kVoidFilled;  // its colour follows from another row
+        }
+      }
+      if (source != kNone) left = at - 1;
+    }
+    has_surface[y] = left != kNone;
+  }
+  const auto copy_row = [&](int to, int from) {
+    for (std::size_t x = 0; x < width; ++x) copy_pixel(frame, {to * width + x, from * width + x});
+    has_surface[to] = 1;
+  };
+  for (int y = 1; y < frame.height; ++y) {
+    if (!has_surface[y] && has_surface[y - 1]) copy_row(y, y - 1);
+  }
+  for (int y = frame.height - 2; y >= 0; --y) {
+    if (!has_surface[y] && has_surface[y + 1]) copy_row(y, y + 1);
+  }
+  return filled;
+}
+
+}  // namespace
+
+std::uint64_t fill_voids(Frame& frame, bool background_visible, int radius) {
+  const Occupancy occupancy(frame, radius);
+  std::vector<std::vector<Filling>> fillings(occupancy.rows());
+  std::vector<std::uint8_t> has_rest(occupancy.rows(), 0);
+  tbb::parallel_for(0, occupancy.rows(), [&](int row) {
+    for (int column = 0; column < occupancy.columns(); ++column) {
+      if (!occupancy.has_open(column, row)) continue;
+      if (occupancy.is_surrounded_by_nothing(column, row)) {
+        has_rest[row] = 1;
+        continue;
+      }
+      for (int y = row * radius; y < std::min((row + 1) * radius, frame.height); ++y) {
+        for (int x = column * radius; x < std::min((column + 1) * radius, frame.width); ++x) {
+          const std::size_t at = static_cast<std::size_t>(y) * frame.width + x;
+          if (is_covered(frame.coverage[at])) continue;
+          const std::size_t source = find_source(frame, x, y, radius, background_visible);
+          if (source != kNone) {
+            fillings[row].push_back({at, source});
+          } else {
+            has_rest[row] = 1;
+          }
+        }
+      }
+    }
+  });
+  // Only now: what was filled must not count as a surface for its neighbours.
+  std::uint64_t filled = 0;
+  for (const auto& list : fillings) {
+    filled += list.size();
+    for (const Filling& filling : list) copy_pixel(frame, filling);
+  }
+  const bool any_rest = std::find(has_rest.begin(), has_rest.end(), 1) != has_rest.end();
+  if (!background_visible && any_rest) filled += fill_rest(frame);
+  return filled;
+}
+
+}  // namespace farfield::client

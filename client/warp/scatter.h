@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws a tile's splats into a band of the key buffer: project a piece of a run, then write each pixel's maximum.
+#pragma once
+
+#include <cstdint>
+
+#include "client/warp/project_row.h"
+#include "client/warp/tile_projection.h"
+#include "common/impostor/splats.h"
+
+namespace farfield::client {
+
+enum class ProjectionKernel { kVector, kScalar };
+
+/// `keys`: the whole frame's, row by row; only rows of `window` are written. One thread per window.
+void scatter_tile(const Splats& splats, const TileProjection& projection, const TileFootprint& footprint,
+                  const PixelWindow& window, ProjectionKernel kernel, std::uint64_t* keys);
+
+}  // namespace farfield::client
