@@ -43,7 +43,7 @@ class MaterialReader {
     }
     if (blended_ > 0) {
       model_.warnings.push_back(
-          fmt::format("{} blended materials are drawn opaque where alpha is at least 0.5 and left out below", blended_));
+          fmt::format("blended materials, drawn opaque where alpha is at least 0.5 and left out below: {}", blended_));
     }
     return std::move(uv_channels_);
   }

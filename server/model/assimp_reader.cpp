@@ -38,7 +38,7 @@ class SceneConverter {
     model_.meshes.reserve(scene_.mNumMeshes);
     for (unsigned m = 0; m < scene_.mNumMeshes; ++m) model_.meshes.push_back(convert_mesh(*scene_.mMeshes[m]));
     if (scene_.mRootNode) place_nodes();
-    if (loose_ > 0) model_.warnings.push_back(fmt::format("{} lines and points dropped", loose_));
+    if (loose_ > 0) model_.warnings.push_back(fmt::format("dropped lines and points: {}", loose_));
   }
 
  private:

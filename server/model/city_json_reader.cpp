@@ -84,11 +84,11 @@ class CityJsonReader {
       meshes.push_back(std::move(gatherer.mesh));
     }
     const auto warn = [&](std::size_t count, const char* what) {
-      if (count > 0) model.warnings.push_back(fmt::format("{} {}", count, what));
+      if (count > 0) model.warnings.push_back(fmt::format("{}: {}", what, count));
     };
-    warn(lost_surfaces_, "surfaces naming vertices that do not exist, or without area, dropped");
-    warn(unread_geometries_, "geometries of kinds that are not read (templates, points, lines) dropped");
-    warn(textured_geometries_, "textured geometries drawn in the colour of their type");
+    warn(lost_surfaces_, "dropped surfaces without area or that name missing vertices");
+    warn(unread_geometries_, "dropped geometries of kinds that are not read (templates, points, lines)");
+    warn(textured_geometries_, "textured geometries, drawn in the colour of their type");
     store_double_meshes(std::move(meshes), model);
     return model;
   }

@@ -165,14 +165,14 @@ void clean_model(Model& model) {
   drop_bad_instances(model, losses);
   drop_empty_meshes(model);
   const auto warn = [&](std::size_t count, const char* what) {
-    if (count > 0) model.warnings.push_back(fmt::format("{} {}", count, what));
+    if (count > 0) model.warnings.push_back(fmt::format("{}: {}", what, count));
   };
-  warn(losses.bad_index, "triangles naming vertices that do not exist dropped");
-  warn(losses.not_finite, "triangles with vertices that are not finite, or beyond 1e9 units, dropped");
-  warn(losses.no_area, "triangles without area dropped");
-  warn(losses.bad_normals, "normals without length or not finite replaced by their faces'");
-  warn(losses.bad_uvs, "texture coordinates that are not finite set to zero");
-  warn(losses.bad_transforms, "instances with unusable transforms dropped");
+  warn(losses.bad_index, "dropped triangles that name missing vertices");
+  warn(losses.not_finite, "dropped triangles with vertices that are not finite or beyond 1e9 units");
+  warn(losses.no_area, "dropped triangles without area");
+  warn(losses.bad_normals, "unusable normals replaced by those of their faces");
+  warn(losses.bad_uvs, "texture coordinates that are not finite, set to zero");
+  warn(losses.bad_transforms, "dropped instances with unusable transforms");
 }
 
 }  // namespace farfield

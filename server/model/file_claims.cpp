@@ -93,18 +93,23 @@ Status check_off(const std::filesystem::path& path, std::string_view text, doubl
 
 }  // namespace
 
-Status check_file_claims(const std::filesystem::path& path, ModelFormat format) {
+Result<FileClaims> check_file_claims(const std::filesystem::path& path, ModelFormat format) {
   if (format == ModelFormat::kGlb || format == ModelFormat::kGltf) return check_gltf_claims(path, format);
-  if (format != ModelFormat::kPly && format != ModelFormat::kStl && format != ModelFormat::kOff) return {};
-  const Result<Bytes> start = read_file_start(path, kHeaderBytes);
+  const Result<Bytes> start = format == ModelFormat::kIfc ? read_file_bytes(path) : read_file_start(path, kHeaderBytes);
   if (!start) return tl::unexpected(start.error());
   std::error_code error;
   const auto size = static_cast<double>(std::filesystem::file_size(path, error));
   if (error) return fail(ErrorCode::kIo, "{}: {}", path.string(), error.message());
   const std::string_view text(reinterpret_cast<const char*>(start->data()), start->size());
-  if (format == ModelFormat::kPly) return check_ply(path, text, size);
-  if (format == ModelFormat::kStl) return check_stl(path, *start, size);
-  return check_off(path, text, size);
+  Status status;
+  if (format == ModelFormat::kPly) status = check_ply(path, text, size);
+  if (format == ModelFormat::kStl) status = check_stl(path, *start, size);
+  if (format == ModelFormat::kOff) status = check_off(path, text, size);
+  if (format == ModelFormat::kIfc && text.find("END-ISO-10303-21") == text.npos) {
+    status = fail(ErrorCode::kBadData, "{}: the file ends before its end mark END-ISO-10303-21; copy it again", path.string());
+  }
+  if (!status) return tl::unexpected(status.error());
+  return FileClaims{};
 }
 
 }  // namespace farfield

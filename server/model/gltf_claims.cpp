@@ -2,6 +2,7 @@
 #include "server/model/gltf_claims.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "server/model/file_bytes.h"
@@ -85,9 +86,35 @@ Status check_buffers(const std::filesystem::path& path, const Json& root, double
   return {};
 }
 
+/// Triangles that the index lists (or vertex lists) of all primitives add up to; strips and fans have two fewer than
+/// corners.
+std::size_t announced_triangles(const Json& root) {
+  const Json& accessors = list_of(root, "accessors");
+  const auto count_of = [&](double index) {
+    return index >= 0 && index < static_cast<double>(accessors.size())
+               ? number_of(accessors[static_cast<std::size_t>(index)], "count", 0)
+               : 0.0;
+  };
+  double triangles = 0;
+  for (const Json& mesh : list_of(root, "meshes")) {
+    if (!mesh.is_object()) continue;
+    for (const Json& primitive : list_of(mesh, "primitives")) {
+      if (!primitive.is_object()) continue;
+      const double mode = number_of(primitive, "mode", 4);
+      const double indices = number_of(primitive, "indices", -1);
+      const auto attributes = primitive.find("attributes");
+      const double positions = attributes == primitive.end() ? -1 : number_of(*attributes, "POSITION", -1);
+      const double corners = count_of(indices >= 0 ? indices : positions);
+      if (mode == 4) triangles += std::floor(corners / 3);
+      if (mode == 5 || mode == 6) triangles += std::max(corners - 2, 0.0);
+    }
+  }
+  return static_cast<std::size_t>(std::clamp(triangles, 0.0, 1e15));
+}
+
 }  // namespace
 
-Status check_gltf_claims(const std::filesystem::path& path, ModelFormat format) {
+Result<FileClaims> check_gltf_claims(const std::filesystem::path& path, ModelFormat format) {
   const Result<Bytes> bytes = read_file_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
   ByteView json_text = *bytes;
@@ -113,8 +140,10 @@ Status check_gltf_claims(const std::filesystem::path& path, ModelFormat format) 
   if (root.is_discarded() || !root.is_object()) {
     return fail(ErrorCode::kBadData, "{}: its glTF description is not JSON; check what the file really is", path.string());
   }
-  if (const Status status = check_buffers(path, root, binary_bytes); !status) return status;
-  return check_accessors(path, root);
+  Status status = check_buffers(path, root, binary_bytes);
+  if (status) status = check_accessors(path, root);
+  if (!status) return tl::unexpected(status.error());
+  return FileClaims{announced_triangles(root)};
 }
 
 }  // namespace farfield

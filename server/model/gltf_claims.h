@@ -6,6 +6,6 @@
 
 namespace farfield {
 
-Status check_gltf_claims(const std::filesystem::path& path, ModelFormat format);
+Result<FileClaims> check_gltf_claims(const std::filesystem::path& path, ModelFormat format);
 
 }  // namespace farfield

@@ -57,9 +57,16 @@ Status limit_import_process(const ImportLimits& limits) {
 Result<Model> import_file(const std::filesystem::path& path) {
   const Result<ModelFormat> format = find_model_format(path);
   if (!format) return tl::unexpected(format.error());
-  if (const Status status = check_file_claims(path, *format); !status) return tl::unexpected(status.error());
+  const Result<FileClaims> claims = check_file_claims(path, *format);
+  if (!claims) return tl::unexpected(claims.error());
   Result<Model> model = read_by_format(path, *format);
   if (!model) return model;
+  std::size_t stored = 0;
+  for (const Mesh& mesh : model->meshes) stored += mesh.indices.size() / 3;
+  if (claims->stored_triangles.value_or(0) > stored) {
+    model->warnings.push_back(fmt::format("triangles of the file that its importer dropped, naming missing vertices: {}",
+                                          *claims->stored_triangles - stored));
+  }
   if (*format == ModelFormat::kCityJson) {
     for (Mesh& mesh : model->meshes) weld_vertices(mesh);  // its surfaces do not share vertices when read
   }

@@ -7,6 +7,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "server/model/file_format.h"
+
 namespace farfield {
 namespace {
 
@@ -36,8 +38,11 @@ ImportReport make_import_report(const std::string& scene_argument, const Model& 
   report.textures = model.textures.size();
   for (const TextureImage& texture : model.textures) report.texture_texels += texture.rgba.size() / 4;
   report.bounds = model.bounds();
-  report.metres_per_unit = options.metres_per_unit;
-  report.up = options.up;
+  report.is_units_given = options.metres_per_unit > 0;
+  if (report.is_units_given) report.metres_per_unit = options.metres_per_unit;
+  report.is_up_given = !options.up.empty();
+  if (const auto format = find_model_format(scene_argument)) report.up = default_up_axis(*format);
+  if (report.is_up_given) report.up = options.up;
   report.shift = options.shift;
   report.warnings = model.warnings;
   report.seconds = seconds;
@@ -57,8 +62,8 @@ std::string report_text(const ImportReport& report) {
   fmt::format_to(out, "bounds     ({:.3f} {:.3f} {:.3f}) .. ({:.3f} {:.3f} {:.3f}) m\n", report.bounds.min.x, report.bounds.min.y,
                  report.bounds.min.z, report.bounds.max.x, report.bounds.max.y, report.bounds.max.z);
   fmt::format_to(out, "size       {:.4g} x {:.4g} x {:.4g} m\n", size.x, size.y, size.z);
-  fmt::format_to(out, "units      {}\n", report.metres_per_unit > 0 ? fmt::format("{} m", report.metres_per_unit) : "as in the file");
-  fmt::format_to(out, "up axis    {}\n", report.up.empty() ? "as the format says" : report.up);
+  fmt::format_to(out, "units      {} m{}\n", report.metres_per_unit, report.is_units_given ? "" : " (assumed; --units changes it)");
+  fmt::format_to(out, "up axis    {}{}\n", report.up, report.is_up_given ? "" : " (assumed; --up changes it)");
   if (report.shift != glm::dvec3(0)) fmt::format_to(out, "shift      {} {} {} m\n", report.shift.x, report.shift.y, report.shift.z);
   fmt::format_to(out, "loaded in  {:.2f} s, peak memory {:.0f} MB\n", report.seconds, 1e-6 * static_cast<double>(report.peak_memory_bytes));
   if (report.warnings.empty()) return text + "warnings   none\n";
@@ -83,8 +88,8 @@ std::string report_json(const ImportReport& report) {
   json["texture_texels"] = report.texture_texels;
   json["bounds_min_m"] = list(report.bounds.min);
   json["bounds_max_m"] = list(report.bounds.max);
-  json["metres_per_unit"] = report.metres_per_unit > 0 ? nlohmann::ordered_json(report.metres_per_unit) : nlohmann::ordered_json();
-  json["up"] = report.up.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(report.up);
+  json["metres_per_unit"] = report.metres_per_unit;
+  json["up"] = report.up;
   json["shift_m"] = list(report.shift);
   json["warnings"] = report.warnings;
   json["seconds"] = report.seconds;

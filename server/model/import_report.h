@@ -18,8 +18,9 @@ struct ImportReport {
   std::size_t textures = 0;
   std::uint64_t texture_texels = 0;
   Box bounds;                   // world, metres
-  double metres_per_unit = 0;   // 0: as the file says
-  std::string up;               // empty: as the format says
+  double metres_per_unit = 1;
+  std::string up = "y";         // the file's axis that became +Y
+  bool is_units_given = false, is_up_given = false;  // by options; else assumed from the format
   glm::dvec3 shift{0};
   std::vector<std::string> warnings;
   double seconds = 0;

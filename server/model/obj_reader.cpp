@@ -221,11 +221,11 @@ class ObjReader {
   void finish() {
     close_mesh();
     const auto warn = [&](std::size_t count, const std::string& what) {
-      if (count > 0) model_.warnings.push_back(fmt::format("{} {}", count, what));
+      if (count > 0) model_.warnings.push_back(fmt::format("{}: {}", what, count));
     };
-    warn(loose_, "lines, points or faces with fewer than three corners dropped");
-    warn(bad_faces_, fmt::format("faces naming vertices that do not exist dropped, the first in line {}", first_bad_line_));
-    warn(flat_polygons_, "polygons without area dropped");
+    warn(loose_, "dropped lines, points and faces with fewer than three corners");
+    warn(bad_faces_, fmt::format("dropped faces that name missing vertices (the first in line {})", first_bad_line_));
+    warn(flat_polygons_, "dropped polygons without area");
     warn(bad_numbers_, "coordinates that are not numbers");
     store_double_meshes(std::move(meshes_), model_);
   }

@@ -78,7 +78,7 @@ void settle_transparency(Model& model) {
   const std::size_t absent = before - model.drawn_triangles();
   if (absent > 0) {
     model.warnings.push_back(fmt::format(
-        "{} see-through triangles (alpha below the cut-off, as in glass) left out; {} materials are absent altogether",
+        "left out see-through triangles (alpha below the cut-off, as in glass): {}; materials absent altogether: {}",
         absent, absent_materials));
   }
   drop_empty_meshes(model);

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// farfield-scene: see scene_tool.h.
+#include <exception>
+#include <iostream>
+
+#include "server/app/scene_tool.h"
+
+int main(int argument_count, char** arguments) {
+  try {
+    return farfield::run_scene_tool(argument_count, arguments);
+  } catch (const std::exception& exception) {
+    std::cerr << "farfield-scene: " << exception.what() << '\n';
+    return 1;
+  }
+}
