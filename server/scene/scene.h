@@ -66,7 +66,8 @@ class Scene {
   std::span<const ScenePart> parts() const;
 
   // ── rays ──
-  /// First hits of sixteen coherent rays. Alpha-masked texels let rays through.
+  /// First hits of sixteen coherent rays. Alpha-masked texels let rays through. Closed surfaces are tight along edges;
+  /// of rays aimed at the very point of a vertex two or three in a thousand may slip through.
   void intersect(const RayPacket& rays, HitPacket& hits) const;
   /// The same without the coherent flag, for scattered rays.
   void intersect_scattered(const RayPacket& rays, HitPacket& hits) const;

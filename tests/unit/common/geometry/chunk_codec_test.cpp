@@ -50,7 +50,7 @@ std::multiset<std::string> triangles_of(const Chunk& chunk) {
   };
   for (std::size_t i = 0; i < chunk.indices.size(); i += 3) {
     const std::string a = bytes(chunk.indices[i]), b = bytes(chunk.indices[i + 1]), c = bytes(chunk.indices[i + 2]);
-    result.insert(std::min({a + b + c, b + c + a, c + a + b}));
+    result.insert(std::min(std::min(a + b + c, b + c + a), c + a + b));
   }
   return result;
 }

@@ -44,7 +44,7 @@ TEST(Chunks, HoldEveryTriangleOnce) {
   const Mesh mesh = random_triangles(5000, 4);
   const auto scene = build(model_of(mesh));
   std::multiset<std::array<float, 9>> wanted, found;
-  const double step = std::ldexp(1.0, -16);
+  const double step = std::ldexp(8.0, -20);  // scene_frame.h: the extent is between 4 and 8 m
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
     Corners t;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -18,7 +18,7 @@ TEST(SceneFrame, OriginIsTheMinimumCornerOnAPowerOfTwoGrid) {
   EXPECT_EQ(city.origin, glm::dvec3(100, -6, 0)) << "at most 1 m";
   EXPECT_EQ(city.step_m, std::ldexp(1.0, 15 - 23)) << "as exact as floats are at the far end";
   const SceneFrame speck = choose_scene_frame({{0, 0, 0}, {1e-3, 1e-3, 1e-3}});
-  EXPECT_LT(speck.step_m, 1e-9);
+  EXPECT_EQ(speck.step_m, std::ldexp(1.0, -9 - 20)) << "a millionth of the extent";
 }
 
 TEST(SceneFrame, MovingTheWorldByTenMillionMetresChangesNothingButTheOrigin) {
