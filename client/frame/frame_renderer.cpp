@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/frame/frame_renderer.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "client/frame/resolve_gl_frame.h"
+#include "client/gl/framebuffer.h"
+#include "client/warp/cpu_warper.h"
+
+namespace farfield::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Milliseconds since the last call.
+class Lap {
+ public:
+  double operator()() {
+    const Clock::time_point now = Clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now();
+};
+
+/// Close enough that nobody gets their nose behind it: a thousandth of the cell. Without clip control the depth
+/// buffer resolves 2⁻²⁴ of 1/near_plane, so the plane moves out to keep far shells apart.
+double near_plane_of(const LeafView& leaf, const GlAbilities& abilities) {
+  return leaf.leaf_box.extent().x * (abilities.has_clip_control ? 1e-3 : 1e-2);
+}
+
+/// 4 samples per pixel on the CPU: near geometry is drawn at twice the size.
+Display near_display(Renderer renderer, const Display& display, int samples) {
+  if (renderer == Renderer::kGl || samples == 1) return display;
+  return {2 * display.width, 2 * display.height, display.fovy_rad};
+}
+
+}  // namespace
+
+struct FrameRenderer::State {
+  Renderer renderer = Renderer::kCpu;
+  Display display;
+  FrameOptions options;
+  std::unique_ptr<GlContext> own_context;   // destroyed last
+  GlAbilities abilities;
+  Framebuffer target;
+  std::unique_ptr<NearRenderer> near;
+  std::unique_ptr<ImpostorRenderer> impostors;   // kGl
+  std::unique_ptr<CpuWarper> warper;             // kCpu
+  std::vector<std::uint8_t> colour;              // read back
+  std::vector<float> depth;
+  std::shared_ptr<const LeafView> drawn;
+
+  Status make_target(const Display& size);
+  void render_cpu(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report);
+  void render_gl(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report);
+};
+
+Status FrameRenderer::State::make_target(const Display& size) {
+  const Display drawn_size = near_display(renderer, size, options.samples_per_pixel);
+  const int samples = renderer == Renderer::kGl ? options.samples_per_pixel : 1;
+  Result<Framebuffer> made = Framebuffer::create(abilities, drawn_size.width, drawn_size.height, samples);
+  if (!made) return tl::unexpected<Error>(made.error());
+  target = std::move(*made);
+  display = size;
+  return {};
+}
+
+void FrameRenderer::State::render_cpu(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report) {
+  Lap lap;
+  std::optional<NearLayer> near_layer;
+  if (!leaf.chunks.empty()) {
+    const double near_plane = near_plane_of(leaf, abilities);
+    target.begin();
+    report.near = near->draw(
+        leaf, ViewTransform::of(near_display(renderer, display, options.samples_per_pixel), eye, near_plane));
+    glFinish();
+    report.times.near_ms = lap();
+    const std::size_t pixels = static_cast<std::size_t>(target.width()) * static_cast<std::size_t>(target.height());
+    colour.resize(4 * pixels);
+    depth.resize(pixels);
+    target.read_colour(colour);
+    target.read_depth(depth);
+    near_layer.emplace(NearLayer{target.width(), target.height(), colour, depth, static_cast<float>(1.0 / near_plane)});
+    report.times.read_back_ms = lap();
+  }
+  warper->draw(leaf, eye, display, near_layer ? &*near_layer : nullptr, frame);
+  report.times.impostors_ms = lap();
+}
+
+void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report) {
+  Lap lap;
+  const double near_plane = near_plane_of(leaf, abilities);
+  const ViewTransform view = ViewTransform::of(display, eye, near_plane);
+  target.begin();
+  report.near = near->draw(leaf, view);
+  // Waiting here would only serve the clock: without a GPU it costs nothing, with one it would idle it.
+  if (abilities.renderer.find("llvmpipe") != std::string::npos) glFinish();
+  report.times.near_ms = lap();
+  report.impostors = impostors->draw(leaf, view);
+  target.resolve();
+  glFinish();
+  report.times.impostors_ms += lap();
+  const std::size_t pixels = static_cast<std::size_t>(display.width) * static_cast<std::size_t>(display.height);
+  colour.resize(4 * pixels);
+  depth.resize(pixels);
+  target.read_colour(colour);
+  target.read_depth(depth);
+  report.times.read_back_ms = lap();
+  frame.statistics = {};
+  resolve_gl_frame({display.width, display.height, colour, depth, near_plane},
+                   {leaf.background, leaf.background_visible}, frame);
+  frame.statistics.triangles_drawn = report.impostors.triangles;
+  frame.statistics.tiles_drawn = report.impostors.tiles_drawn;
+  report.times.resolve_ms = lap();
+}
+
+FrameRenderer::FrameRenderer() = default;
+FrameRenderer::~FrameRenderer() = default;
+
+Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, const Display& display,
+                                                             const FrameOptions& options, GlContext* context) {
+  if (options.samples_per_pixel != 1 && options.samples_per_pixel != 4) {
+    return fail(ErrorCode::kInvalidArgument, "{} samples per pixel: 1 and 4 are possible", options.samples_per_pixel);
+  }
+  std::unique_ptr<FrameRenderer> result(new FrameRenderer);
+  result->state_ = std::make_unique<State>();
+  State& s = *result->state_;
+  s.renderer = renderer, s.options = options;
+  if (!context) {
+    Result<std::unique_ptr<GlContext>> own = GlContext::create_surfaceless();
+    if (!own) return tl::unexpected<Error>(own.error());
+    s.own_context = std::move(*own);
+    context = s.own_context.get();
+  }
+  s.abilities = context->abilities();
+  if (Status made = s.make_target(display); !made) return tl::unexpected<Error>(made.error());
+  Result<std::unique_ptr<NearRenderer>> near = NearRenderer::create(s.abilities, options.near);
+  if (!near) return tl::unexpected<Error>(near.error());
+  s.near = std::move(*near);
+  if (renderer == Renderer::kGl) {
+    Result<std::unique_ptr<ImpostorRenderer>> impostors = ImpostorRenderer::create(s.abilities, options.impostors);
+    if (!impostors) return tl::unexpected<Error>(impostors.error());
+    s.impostors = std::move(*impostors);
+  } else {
+    s.warper = std::make_unique<CpuWarper>(CpuWarperOptions{options.samples_per_pixel, options.cpu_threads});
+  }
+  return result;
+}
+
+Status FrameRenderer::resize(const Display& display) { return state_->make_target(display); }
+
+FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Pose& eye, Frame& frame) {
+  State& s = *state_;
+  FrameReport report;
+  Lap total;
+  if (!leaf) {
+    auto empty = std::make_shared<LeafView>();
+    empty->leaf_box = Box{eye.position, eye.position}.grown(0.5);
+    empty->near_region = empty->leaf_box;
+    empty->background = s.options.background;
+    leaf = empty;
+  } else if (s.renderer == Renderer::kGl) {
+    Lap lap;
+    const auto upload = s.impostors->upload(*leaf, s.options.frame_upload_bytes);
+    report.times.impostors_ms = lap();
+    if (!upload.is_complete && s.drawn) {
+      report.is_previous_leaf = s.drawn != leaf;
+      leaf = s.drawn;
+    } else {
+      s.drawn = leaf;
+    }
+  }
+  report.leaf = leaf->leaf;
+  if (s.renderer == Renderer::kCpu) {
+    s.render_cpu(*leaf, eye, frame, report);
+  } else {
+    s.render_gl(*leaf, eye, frame, report);
+  }
+  report.times.total_ms = total();
+  return report;
+}
+
+const Display& FrameRenderer::display() const { return state_->display; }
+const GlAbilities& FrameRenderer::abilities() const { return state_->abilities; }
+
+}  // namespace farfield::client

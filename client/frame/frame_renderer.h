@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a leaf set and a pose to a finished image: near geometry by OpenGL, impostors by OpenGL or on the CPU, merged by
+// depth, cracks and voids filled. What the window, the headless client and the benchmark all call.
+//
+// Belongs to one thread, the one that created it: it owns (or uses) a GL context that is current there.
+#pragma once
+
+#include <limits>
+#include <memory>
+
+#include "client/gl/gl_context.h"
+#include "client/near/near_renderer.h"
+#include "client/store/leaf_view.h"
+#include "client/warp/frame_image.h"
+#include "client/warp_gl/impostor_renderer.h"
+#include "common/math/camera.h"
+
+namespace farfield::client {
+
+enum class Renderer {
+  kCpu,  // impostors as splats on the CPU: fastest without a GPU
+  kGl,   // impostors as depth meshes on the GPU
+};
+
+struct FrameOptions {
+  int samples_per_pixel = 1;   // or 4: 2×2 on the CPU, multisamples in OpenGL
+  int cpu_threads = 0;         // of the CPU warper; 0: one per core
+  /// Bytes of impostors uploaded per frame (kGl). A new leaf set is shown once it is uploaded; until then the one
+  /// before it. Unlimited where every frame must show its own leaf set (lockstep).
+  std::size_t frame_upload_bytes = std::numeric_limits<std::size_t>::max();
+  glm::u8vec3 background{176, 200, 224};  // sRGB, while there is no leaf set
+  NearOptions near;
+  ImpostorOptions impostors;
+};
+
+/// Milliseconds by part; each part ends with its results in memory.
+struct FrameTimes {
+  double near_ms = 0;        // upload and draw near geometry
+  double impostors_ms = 0;   // upload and draw impostors (kCpu: with cracks and voids)
+  double read_back_ms = 0;
+  double resolve_ms = 0;     // kGl: classes, cracks, voids
+  double total_ms = 0;       // from the pose to the finished image
+};
+
+struct FrameReport {
+  NearStatistics near;
+  ImpostorStatistics impostors;   // kGl
+  FrameTimes times;
+  bool is_previous_leaf = false;  // the new leaf set is still being uploaded
+  CellId leaf;                    // of what was drawn
+};
+
+class FrameRenderer {
+ public:
+  /// `context`: null makes a surfaceless one; otherwise current on this thread and outliving the renderer.
+  /// Errors: kUnavailable (no OpenGL), kInvalidArgument (samples), kLimitExceeded (display size).
+  static Result<std::unique_ptr<FrameRenderer>> create(Renderer renderer, const Display& display,
+                                                       const FrameOptions& options = {}, GlContext* context = nullptr);
+  ~FrameRenderer();
+
+  /// Errors: kLimitExceeded; the old size stays in use.
+  Status resize(const Display& display);
+
+  /// Draws into `frame`; reusing one saves allocations. `leaf` may be null: background only. `eye`: scene frame.
+  FrameReport render(std::shared_ptr<const LeafView> leaf, const Pose& eye, Frame& frame);
+
+  const Display& display() const;
+  const GlAbilities& abilities() const;
+
+ private:
+  FrameRenderer();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace farfield::client
