@@ -166,10 +166,12 @@ void StreamSession::publish() {
     figures_.entry_bytes = link_->bytes_in() + link_->bytes_out();
     figures_.entry_seconds = to_seconds(Clock::now() - started_);
   }
-  const bool settled = is_settled();
-  const std::lock_guard lock(board_.mutex);
+  // Only this thread writes the board's view, so reading it needs no lock.
   const bool is_same = board_.view && board_.view->leaf == view->leaf && board_.view->is_fallback == view->is_fallback;
   if (!is_same) ++figures_.switches;
+  note_figures();  // before the view: whoever waits for it finds the figures that belong to it
+  const bool settled = is_settled();
+  const std::lock_guard lock(board_.mutex);
   board_.view = view;
   board_.is_settled = settled;
   board_.changed.notify_all();
