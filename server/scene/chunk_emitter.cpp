@@ -163,8 +163,7 @@ void ChunkEmitter::store(StoredChunk& chunk) {
     out_.positions.emplace_back(static_cast<float>(corner.grid[0] * plan_.step),
                                 static_cast<float>(corner.grid[1] * plan_.step),
                                 static_cast<float>(corner.grid[2] * plan_.step));
-    out_.normals.push_back(corner.normal);
-    out_.colours.push_back(corner.colour);
+    out_.surfaces.push_back({corner.normal, corner.colour});
     if (plan_.surface.texture >= 0) out_.uvs.push_back(corner.uv);
   }
   for (Corner& corner : unique_)

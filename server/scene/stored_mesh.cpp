@@ -76,8 +76,7 @@ StoredMesh join(std::vector<StoredMesh>& blocks, const SurfaceState& surface) {
   StoredMesh mesh;
   mesh.surface = surface;
   mesh.positions.resize(vertex_at.back() + 1);
-  mesh.normals.resize(vertex_at.back());
-  mesh.colours.resize(vertex_at.back());
+  mesh.surfaces.resize(vertex_at.back());
   if (surface.texture >= 0) mesh.uvs.resize(vertex_at.back());
   mesh.indices.resize(3 * triangle_at.back());
   mesh.chunks.resize(chunk_at.back());
@@ -89,8 +88,7 @@ StoredMesh join(std::vector<StoredMesh>& blocks, const SurfaceState& surface) {
       chunk.first_triangle += static_cast<std::uint32_t>(triangle_at[b]);
     }
     append(mesh.positions, vertex_at[b], block.positions);
-    append(mesh.normals, vertex_at[b], block.normals);
-    append(mesh.colours, vertex_at[b], block.colours);
+    append(mesh.surfaces, vertex_at[b], block.surfaces);
     if (surface.texture >= 0) append(mesh.uvs, vertex_at[b], block.uvs);
     append(mesh.indices, 3 * triangle_at[b], block.indices);
     append(mesh.chunks, chunk_at[b], block.chunks);
@@ -143,8 +141,8 @@ Chunk extract_chunk(const StoredMesh& mesh, const StoredChunk& stored, ContentHa
   for (std::uint32_t i = 0; i < stored.vertex_count; ++i) {
     const std::uint32_t vertex = stored.first_vertex + i;
     // Both lie on the position grid, so the difference is exact.
-    chunk.vertices[i] = {mesh.positions[vertex] - stored.origin, mesh.normals[vertex],
-                         mesh.uvs.empty() ? glm::vec2(0) : mesh.uvs[vertex], mesh.colours[vertex]};
+    chunk.vertices[i] = {mesh.positions[vertex] - stored.origin, mesh.surfaces[vertex].normal,
+                         mesh.uvs.empty() ? glm::vec2(0) : mesh.uvs[vertex], mesh.surfaces[vertex].colour};
   }
   chunk.indices.resize(3 * std::size_t{stored.triangle_count});
   for (std::size_t i = 0; i < chunk.indices.size(); ++i)
