@@ -21,12 +21,6 @@ bool is_late(const LeafView* view, const glm::dvec3& eye) {
 
 void LeafSets::announce(LeafSet set) {
   auto tracked = std::make_shared<TrackedLeafSet>(std::move(set), frame_, store_);
-  // What this set needs and was withheld may find room now: the server has to know that it is not here.
-  std::erase_if(withheld_, [&](const auto& gone) {
-    if (!tracked->is_needed(gone.second)) return false;
-    evicted_.push_back(gone.first);
-    return true;
-  });
   // A newer list for the same leaf takes the place of the older one, unless that is on the screen.
   std::erase_if(sets_, [&](const Tracked& old) {
     return old != shown_ && old->set().leaf == tracked->set().leaf && old->set().is_fallback == tracked->set().is_fallback;
@@ -180,7 +174,11 @@ void LeafSets::assign_roles() {
     if (former && !is_role(former)) former->restore_abandoned();
   }
   std::erase_if(withheld_, [&](const auto& gone) {
-    if (is_needed_by_role(gone.second)) return false;
+    // For a set that has just become one to draw there may be room: the server has to send it again.
+    const bool is_wanted_anew = std::any_of(roles.begin(), roles.end(), [&](const Tracked& role) {
+      return role && std::find(pinning_.begin(), pinning_.end(), role) == pinning_.end() && role->is_missing(gone.second);
+    });
+    if (is_needed_by_role(gone.second) && !is_wanted_anew) return false;
     evicted_.push_back(gone.first);
     return true;
   });

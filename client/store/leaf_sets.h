@@ -11,7 +11,8 @@
 // two holds more than its half. A set is complete without what it gave up, so there is always progress.
 //
 // The server sends again at once what it is told has gone and the current set needs. So what a pinned set gave up is
-// withheld from the server until no pinned set needs it, or a new set asks for it: otherwise it would come for ever.
+// withheld from the server until no pinned set needs it, or another set comes to be pinned that does: otherwise it
+// would come for ever.
 #pragma once
 
 #include <array>
@@ -35,7 +36,8 @@ bool is_late(const LeafView* view, const glm::dvec3& eye);
 /// Not thread-safe: belongs to the client core's network thread.
 class LeafSets {
  public:
-  /// Sets known at once; beyond it the oldest that are neither shown nor awaited are forgotten.
+  /// Sets known at once; beyond it the oldest that are neither shown nor awaited are forgotten. A server counts on
+  /// the last eight it has announced.
   static constexpr std::size_t kMaxSets = 32;
 
   LeafSets(const SceneFrame& frame, std::size_t budget_bytes) : frame_(frame), store_(budget_bytes) {}

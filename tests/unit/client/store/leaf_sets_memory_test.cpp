@@ -66,6 +66,23 @@ TEST(LeafSetsMemory, GivenUpPayloadsAreReportedWhenNoPinnedSetNeedsThem) {
   EXPECT_THAT(sets.take_evicted(), ::testing::Contains(3));
 }
 
+TEST(LeafSetsMemory, EnteringAnAnnouncedLeafAsksAgainForWhatTheOldSetGaveUp) {
+  LeafSets sets(made::frame(), 2 * made::kTileBytes);
+  sets.set_eye(made::eye_in(0));
+  sets.announce(made::leaf_set(1, 0, {1, 2, 3}));
+  for (const ContentHash key : {1, 2, 3}) sets.receive(made::tile(key));
+  sets.update(true);
+  sets.announce(made::leaf_set(2, 1, {3}, /*is_current=*/false));
+  EXPECT_THAT(sets.take_evicted(), IsEmpty());
+  sets.set_eye(made::eye_in(1));  // no new manifest will come
+  sets.update(true);
+  EXPECT_THAT(sets.take_evicted(), ::testing::ElementsAre(3));
+  sets.receive(made::tile(3));
+  sets.update(true);
+  EXPECT_EQ(sets.view()->leaf, made::leaf_at(1));
+  EXPECT_EQ(sets.view()->tiles.size(), 1u);
+}
+
 TEST(LeafSetsMemory, AnItemLargerThanTheWholeStoreIsDoneWithout) {
   LeafSets sets(made::frame(), 2 * made::kTileBytes);
   sets.set_eye(made::eye_in(0));

@@ -114,6 +114,7 @@ TEST_F(LeafSetsTest, ABadPayloadDoesNotHoldTheSetUp) {
   EXPECT_EQ(sets.view()->tiles.size(), 1u);
   EXPECT_THAT(sets.take_evicted(), IsEmpty()) << "reported now, it would be sent again for ever";
   // The next set that needs it asks for it again.
+  sets.set_eye(made::eye_in(1));
   sets.announce(made::leaf_set(2, 1, {2}));
   EXPECT_THAT(sets.take_evicted(), UnorderedElementsAre(2));
 }
