@@ -153,6 +153,8 @@ class ScheduledCellService final : public MeasuredCellService {
     Result<SharedPlan> made = parts_.leaves->plan(leaf, cancel);
     if (!made) return made;
     if (!*made) return fail(ErrorCode::kInternal, "the leaf source returned no plan and no error");
+    // What is only cheap after its first call is called here once, not on the session's thread.
+    for (const std::uint32_t chunk : (*made)->chunks) parts_.geometry->placement(chunk);
     plan_cache_.insert(*made);
     recorder_.add_plan(**made);
     return made;
