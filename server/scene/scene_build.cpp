@@ -48,9 +48,8 @@ Result<std::shared_ptr<const Scene>> Scene::build(Model model) {
   for (std::size_t i = 0; i < model.textures.size(); ++i) {
     const std::uint32_t texture = state.textures.add(model.textures[i], options[i]);
     std::vector<std::uint8_t>().swap(model.textures[i].rgba);  // the chain replaces it
-    const MipLevel& first = state.textures.level(texture, 0);
-    state.texture_infos.push_back(
-        {state.textures.hash(texture), first.width, first.height, state.textures.level_count(texture)});
+    state.texture_infos.push_back({state.textures.hash(texture), state.textures.width(texture),
+                                   state.textures.height(texture), state.textures.level_count(texture)});
   }
 
   for (const StoredMeshPlan& mesh_plan : plan->meshes) {

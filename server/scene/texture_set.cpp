@@ -10,40 +10,45 @@
 namespace farfield {
 namespace {
 
-// The four texels around a point, and how far it lies between them.
-struct Bilinear {
-  std::uint32_t texel[4];
-  float x, y;
+// Four lanes side by side: the channels of a texel, or the coordinates of two levels.
+typedef std::uint16_t U16x4 __attribute__((vector_size(8)));
+typedef std::int32_t I32x4 __attribute__((vector_size(16)));
+typedef float F32x4 __attribute__((vector_size(16)));
 
-  Bilinear(const MipLevel& level, const glm::vec2& uv) {
-    const Axis across(uv.x, level.width), down(uv.y, level.height);
-    const std::uint32_t* upper = level.texels.data() + static_cast<std::size_t>(down.first) * static_cast<std::size_t>(level.width);
-    const std::uint32_t* lower = level.texels.data() + static_cast<std::size_t>(down.second) * static_cast<std::size_t>(level.width);
-    texel[0] = upper[across.first];
-    texel[1] = upper[across.second];
-    texel[2] = lower[across.first];
-    texel[3] = lower[across.second];
-    x = across.fraction;
-    y = down.fraction;
-  }
-
- private:
-  struct Axis {
-    int first, second;
-    float fraction;
-    Axis(float coordinate, int size) {
-      const float at = (coordinate - std::floor(coordinate)) * static_cast<float>(size) - 0.5f;  // -0.5 … size - 0.5
-      const float whole = std::floor(at);
-      fraction = at - whole;
-      first = static_cast<int>(whole);
-      second = first + 1;
-      if (first < 0) first = size - 1;
-      if (second >= size) second = 0;
-    }
-  };
-};
+constexpr float kLinearScale = 65535.0f;
 
 }  // namespace
+
+// The texels around a point in two levels at once: lanes are u and v in the first, u and v in the second.
+struct TextureSet::Lookup {
+  I32x4 first, second;  // texel columns and rows, wrapped
+  F32x4 fraction;       // how far the point lies from first towards second
+
+  Lookup(const Level& a, const Level& b, const glm::vec2& uv) {
+    const float u = uv.x - std::floor(uv.x), v = uv.y - std::floor(uv.y);
+    const I32x4 size{a.width, a.height, b.width, b.height};
+    const F32x4 at = F32x4{u, v, u, v} * __builtin_convertvector(size, F32x4) + 0.5f;  // one more than wanted: >= 0.5
+    const I32x4 whole = __builtin_convertvector(at, I32x4);                            // so that this rounds down
+    fraction = at - __builtin_convertvector(whole, F32x4);
+    first = whole - 1;
+    first = first < 0 ? size - 1 : first;
+    second = whole >= size ? I32x4{0, 0, 0, 0} : whole;
+  }
+
+  // Bilinear in one of the two levels (lane 0 or 2 names its u). Returns: r, g, b, a times their scale.
+  F32x4 blend(const Level& level, int lane) const {
+    const auto load = [&](std::int32_t column, std::int32_t row) {
+      U16x4 texel;
+      std::memcpy(&texel, &level.texels[static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(column)], sizeof texel);
+      return __builtin_convertvector(texel, F32x4);
+    };
+    const float x = fraction[lane], y = fraction[lane + 1];
+    const F32x4 upper_left = load(first[lane], first[lane + 1]), lower_left = load(first[lane], second[lane + 1]);
+    const F32x4 upper = upper_left + x * (load(second[lane], first[lane + 1]) - upper_left);
+    const F32x4 lower = lower_left + x * (load(second[lane], second[lane + 1]) - lower_left);
+    return upper + y * (lower - upper);
+  }
+};
 
 TextureSet::TextureSet() {
   for (int code = 0; code < 256; ++code) linear_[code] = srgb_to_linear(static_cast<std::uint8_t>(code));
@@ -51,9 +56,17 @@ TextureSet::TextureSet() {
 
 std::uint32_t TextureSet::add(const TextureImage& image, const MipOptions& options) {
   Texture texture;
-  texture.levels = build_mip_chain(image, options);
+  const std::vector<MipLevel> chain = build_mip_chain(image, options);
+  std::array<std::uint16_t, 256> wide;
+  for (std::size_t code = 0; code < 256; ++code) wide[code] = static_cast<std::uint16_t>(std::lround(linear_[code] * kLinearScale));
+  for (const MipLevel& from : chain) {
+    Level& level = texture.levels.emplace_back(Level{from.width, from.height, {}});
+    level.texels.reserve(from.texels.size());
+    for (const std::uint32_t t : from.texels)
+      level.texels.push_back({wide[t & 255], wide[t >> 8 & 255], wide[t >> 16 & 255], static_cast<std::uint16_t>((t >> 24) * 257)});
+  }
   // Of the first level and its size: the other levels follow from it, but for the cutoff, which scales their alpha.
-  const MipLevel& first = texture.levels.front();
+  const MipLevel& first = chain.front();
   struct Header {
     std::int32_t width, height;
     float alpha_cutoff;
@@ -66,46 +79,40 @@ std::uint32_t TextureSet::add(const TextureImage& image, const MipOptions& optio
   return static_cast<std::uint32_t>(textures_.size() - 1);
 }
 
-glm::vec3 TextureSet::sample_level(const MipLevel& level, const glm::vec2& uv) const {
-  const Bilinear at(level, uv);
-  const float w3 = at.x * at.y, w2 = at.y - w3, w1 = at.x - w3, w0 = 1.0f - at.x - w2;
-  const float weight[4] = {w0, w1, w2, w3};
-  glm::vec3 sum{0};
-  for (int i = 0; i < 4; ++i) {
-    const std::uint32_t t = at.texel[i];
-    sum += weight[i] * glm::vec3(linear_[t & 255], linear_[t >> 8 & 255], linear_[t >> 16 & 255]);
-  }
-  return sum;
-}
-
 glm::vec3 TextureSet::sample(std::uint32_t texture, const glm::vec2& uv, float mip) const {
-  const std::vector<MipLevel>& levels = textures_[texture].levels;
-  const int last = static_cast<int>(levels.size()) - 1;
+  const std::vector<Level>& levels = textures_[texture].levels;
+  const std::size_t last = levels.size() - 1;
   mip = std::min(mip, static_cast<float>(last));
-  const int level = static_cast<int>(mip);
-  const glm::vec3 fine = sample_level(levels[static_cast<std::size_t>(level)], uv);
-  const float fraction = mip - static_cast<float>(level);
-  if (level == last || !(fraction > 0.0f)) return fine;
-  return fine + fraction * (sample_level(levels[static_cast<std::size_t>(level) + 1], uv) - fine);
+  const auto at = static_cast<std::size_t>(mip);
+  const Level& fine = levels[at];
+  const Level& coarse = levels[std::min(at + 1, last)];
+  const Lookup lookup(fine, coarse, uv);
+  F32x4 sum = lookup.blend(fine, 0);
+  const float towards_coarse = mip - static_cast<float>(at);
+  if (towards_coarse > 0.0f) sum += towards_coarse * (lookup.blend(coarse, 2) - sum);
+  return glm::vec3(sum[0], sum[1], sum[2]) * (1.0f / kLinearScale);
 }
 
 float TextureSet::sample_alpha(std::uint32_t texture, const glm::vec2& uv) const {
-  const Bilinear at(textures_[texture].levels.front(), uv);
-  const float upper = static_cast<float>(at.texel[0] >> 24) * (1.0f - at.x) + static_cast<float>(at.texel[1] >> 24) * at.x;
-  const float lower = static_cast<float>(at.texel[2] >> 24) * (1.0f - at.x) + static_cast<float>(at.texel[3] >> 24) * at.x;
-  return (upper + at.y * (lower - upper)) * (1.0f / 255.0f);
+  const Level& first = textures_[texture].levels.front();
+  return Lookup(first, first, uv).blend(first, 0)[3] * (1.0f / kLinearScale);
 }
 
 TextureLevel TextureSet::texture_level(std::uint32_t texture, int level) const {
-  const MipLevel& from = textures_[texture].levels[static_cast<std::size_t>(level)];
+  const Level& from = textures_[texture].levels[static_cast<std::size_t>(level)];
   TextureLevel out;
   out.texture = textures_[texture].hash;
   out.level = level;
   out.level_count = level_count(texture);
   out.width = from.width;
   out.height = from.height;
-  out.rgba.resize(4 * from.texels.size());
-  std::memcpy(out.rgba.data(), from.texels.data(), out.rgba.size());
+  out.rgba.reserve(4 * from.texels.size());
+  // Linear values are finer than half a code step everywhere, so this gives the very codes they were made from.
+  for (const Texel& t : from.texels) {
+    for (const std::uint16_t channel : {t.r, t.g, t.b})
+      out.rgba.push_back(linear_to_srgb(static_cast<float>(channel) / kLinearScale));
+    out.rgba.push_back(static_cast<std::uint8_t>(t.a / 257));
+  }
   return out;
 }
 

@@ -176,5 +176,16 @@ TEST(TextureSet, RepeatsAndInterpolatesBetweenTexelCentres) {
   EXPECT_EQ(set.sample(0, {0.3f, 0.5f}, 99.0f), set.sample(0, {0.8f, 0.1f}, 1.0f)) << "past the last level";
 }
 
+TEST(TextureSet, GivesBackTheVeryCodesItWasMadeFrom) {
+  TextureImage image{256, 2, {}, "all codes"};
+  for (int i = 0; i < 512; ++i) {
+    const auto code = static_cast<std::uint8_t>(i);
+    image.rgba.insert(image.rgba.end(), {code, static_cast<std::uint8_t>(255 - i), static_cast<std::uint8_t>(i * 7), code});
+  }
+  TextureSet set;
+  set.add(image, {true, 0.5f, 4096});
+  EXPECT_EQ(set.texture_level(0, 0).rgba, image.rgba);
+}
+
 }  // namespace
 }  // namespace farfield
