@@ -9,6 +9,7 @@
 #include <asio/buffer.hpp>
 #include <asio/co_spawn.hpp>
 #include <asio/detached.hpp>
+#include <asio/post.hpp>
 #include <asio/redirect_error.hpp>
 #include <asio/use_awaitable.hpp>
 
@@ -54,7 +55,13 @@ Connection::Connection(asio::ip::tcp::socket socket, const ConnectionOptions& op
       grace_(socket_.get_executor()),
       decoder_(options.receive_limits),
       outbox_(options.outbox_bytes, options.control_outbox_bytes),
-      counters_(std::make_unique<ConnectionCounters>()) {}
+      counters_(std::make_unique<ConnectionCounters>()),
+      totals_(options.totals) {}
+
+void Connection::count(std::atomic<std::uint64_t> ConnectionCounters::* which, std::uint64_t amount) {
+  ((*counters_).*which).fetch_add(amount, std::memory_order_relaxed);
+  if (totals_) ((*totals_).*which).fetch_add(amount, std::memory_order_relaxed);
+}
 
 std::shared_ptr<Connection> Connection::create(asio::ip::tcp::socket socket, const ConnectionOptions& options) {
   std::shared_ptr<Connection> connection(new Connection(std::move(socket), options));
@@ -75,7 +82,12 @@ void Connection::start(ConnectionEvents events) {
 bool Connection::send(OutgoingFrame frame, Lane lane) {
   if (!is_open()) return false;
   if (!outbox_.push(std::move(frame), lane)) {
-    if (lane == Lane::kControl) close({ErrorCode::kLimitExceeded, peer_ + " does not read what it is sent"});
+    // Not at once: whoever sends is in the middle of something that closing would pull away from under it.
+    if (lane == Lane::kControl) {
+      asio::post(executor(), [self = shared_from_this()] {
+        self->close({ErrorCode::kLimitExceeded, self->peer_ + " does not read what it is sent"});
+      });
+    }
     return false;
   }
   wake_writer_.cancel();
@@ -124,7 +136,7 @@ bool Connection::deliver_frames() {
       break;
     }
     if (!frame->has_value()) return true;
-    counters_->frames_in.fetch_add(1, std::memory_order_relaxed);
+    count(&ConnectionCounters::frames_in, 1);
     const auto events = events_;
     if (events && events->on_frame) events->on_frame(std::move(**frame));
   }
@@ -153,7 +165,7 @@ asio::awaitable<void> Connection::read_loop(std::shared_ptr<Connection> self) {
                    self->peer_ + (is_cut ? " broke the connection: " + error.message() : " closed the connection")});
       break;
     }
-    self->counters_->bytes_in.fetch_add(size, std::memory_order_relaxed);
+    self->count(&ConnectionCounters::bytes_in, size);
     self->last_received_ = Clock::now();
     if (!was_open) continue;
     self->decoder_.commit(size);
@@ -186,11 +198,11 @@ asio::awaitable<void> Connection::write_loop(std::shared_ptr<Connection> self) {
       }
       if (self->state_ == State::kClosed) co_return;
       self->write_progress_ = Clock::now();
-      self->counters_->bytes_out.fetch_add(written, std::memory_order_relaxed);
+      self->count(&ConnectionCounters::bytes_out, written);
       gather.advance(written);
     }
     self->write_progress_ = {};
-    self->counters_->frames_out.fetch_add(frames.size(), std::memory_order_relaxed);
+    self->count(&ConnectionCounters::frames_out, frames.size());
     const auto events = self->events_;
     if (self->has_room() && events && events->on_drained) events->on_drained();
   }

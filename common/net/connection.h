@@ -21,14 +21,15 @@
 
 namespace farfield {
 
+struct ConnectionCounters {
+  std::atomic<std::uint64_t> bytes_in{0}, bytes_out{0}, frames_in{0}, frames_out{0};
+};
+
 struct ConnectionOptions {
   FrameLimits receive_limits = kFromClientLimits;
   std::size_t outbox_bytes = std::size_t{512} << 10;         // payloads waiting in this process
   std::size_t control_outbox_bytes = std::size_t{16} << 20;  // control frames waiting: a peer that does not read
-};
-
-struct ConnectionCounters {
-  std::atomic<std::uint64_t> bytes_in{0}, bytes_out{0}, frames_in{0}, frames_out{0};
+  std::shared_ptr<ConnectionCounters> totals;                // counted along, over many connections; may be null
 };
 
 struct ConnectionEvents {
@@ -50,7 +51,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   static std::shared_ptr<Connection> create(asio::ip::tcp::socket socket, const ConnectionOptions& options);
 
   void start(ConnectionEvents events);
-  /// Queues a frame. Returns: false if the lane is full or the connection is closing; a full control lane closes it.
+  /// Queues a frame. Returns: false if the lane is full or the connection is closing; a full control lane closes it
+  /// soon after.
   bool send(OutgoingFrame frame, Lane lane = Lane::kControl);
   bool has_room() const { return is_open() && outbox_.has_room(); }
   /// Drops what waits in `lane`. Returns: the tags of the dropped frames.
@@ -63,6 +65,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool is_open() const { return state_ == State::kOpen; }
   const ConnectionCounters& counters() const { return *counters_; }
   std::size_t queued_bytes() const { return outbox_.bytes(); }
+  std::size_t queued_control_bytes() const { return outbox_.bytes() - outbox_.payload_bytes(); }
   /// How long a write has waited for the peer without a byte of progress; zero while nothing is being written.
   Clock::duration write_stalled() const;
   Clock::duration since_received() const { return Clock::now() - last_received_; }
@@ -74,6 +77,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   enum class State { kOpen, kFlushing, kClosed };
 
   Connection(asio::ip::tcp::socket socket, const ConnectionOptions& options);
+  void count(std::atomic<std::uint64_t> ConnectionCounters::* which, std::uint64_t amount);
   static asio::awaitable<void> read_loop(std::shared_ptr<Connection> self);
   static asio::awaitable<void> write_loop(std::shared_ptr<Connection> self);
   static asio::awaitable<void> close_later(std::shared_ptr<Connection> self, std::chrono::milliseconds grace);
@@ -89,6 +93,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Error reason_;
   std::shared_ptr<const ConnectionEvents> events_;
   std::unique_ptr<ConnectionCounters> counters_;
+  std::shared_ptr<ConnectionCounters> totals_;
   Clock::time_point last_received_ = Clock::now();
   Clock::time_point write_progress_{};  // zero: nothing is being written
   std::string peer_;

@@ -109,6 +109,7 @@ TEST_F(ConnectionTest, AFloodOfControlFramesToADeafPeerClosesTheConnection) {
     context.restart();
   }
   EXPECT_FALSE(open);
+  run_for(context, 1ms);
   ASSERT_EQ(left_seen.closings.size(), 1u);
   EXPECT_EQ(left_seen.closings[0].code, ErrorCode::kLimitExceeded);
 }

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/leaf_tracker.h"
+
+#include <algorithm>
+#include <asio/post.hpp>
+#include <utility>
+
+namespace farfield {
+
+LeafTracker::LeafTracker(asio::any_io_executor executor, std::shared_ptr<CellService> service,
+                         std::shared_ptr<PayloadPump> pump, PrefetchPlanner& planner, const ServerLimits& limits,
+                         SessionMetrics& metrics, Events events, std::shared_ptr<const void> keep_alive)
+    : executor_(std::move(executor)),
+      service_(std::move(service)),
+      pump_(std::move(pump)),
+      planner_(planner),
+      metrics_(metrics),
+      events_(std::move(events)),
+      keep_alive_(std::move(keep_alive)),
+      grid_{service_->scene().settings.finest_side_m},
+      leaf_rate_(limits.leaves_per_second) {}
+
+bool LeafTracker::is_in_current(const glm::dvec3& viewpoint) const {
+  const std::shared_ptr<const LeafPlan>& current = pump_->current();
+  return current && grid_.box(current->leaf).contains(viewpoint);
+}
+
+void LeafTracker::move(const Pose& pose, double time_s) {
+  if (is_stopped_) return;
+  pose_ = pose;
+  demand();
+  look_ahead(time_s);
+}
+
+void LeafTracker::move_again() {
+  if (!is_stopped_ && pose_) demand();
+}
+
+void LeafTracker::demand() {
+  const glm::dvec3& viewpoint = pose_->position;
+  if (is_in_current(viewpoint)) {
+    demanded_.clear();  // back before the answer came
+    return;
+  }
+  const CellId finest = grid_.cell_at(viewpoint, 0);
+  if (!demanded_.empty() && demanded_.back().finest == finest) return;
+  const auto now = TokenBucket::Clock::now();
+  if (!leaf_rate_.take(now)) {
+    ++metrics_.leaves_deferred;
+    events_.on_wait(leaf_rate_.wait(now));
+    return;
+  }
+  if (std::shared_ptr<const LeafPlan> known = pump_->announced_at(viewpoint)) {
+    demanded_.clear();
+    events_.on_enter(std::move(known));
+    return;
+  }
+  // The oldest goes only after the newest was asked, which may join the same work.
+  Question question{next_number_++, finest, 0.0, {}};
+  question.ticket = ask(viewpoint, WorkPriority{0.0, 1.0f, false}, question.number);
+  demanded_.push_back(std::move(question));
+  if (demanded_.size() > kDemanded) demanded_.erase(demanded_.begin());
+}
+
+Ticket LeafTracker::ask(const glm::dvec3& viewpoint, const WorkPriority& priority, std::uint64_t number) {
+  return service_->leaf(viewpoint, priority, [weak = weak_from_this(), number](LeafAnswer plan) {
+    const std::shared_ptr<LeafTracker> self = weak.lock();
+    if (!self) return;
+    asio::post(self->executor_, [self, number, plan = std::move(plan)]() mutable { self->receive(number, std::move(plan)); });
+  });
+}
+
+void LeafTracker::receive(std::uint64_t number, LeafAnswer plan) {
+  if (is_stopped_) return;
+  const auto is_it = [&](const Question& question) { return question.number == number; };
+  if (std::any_of(demanded_.begin(), demanded_.end(), is_it)) {
+    receive_demanded(number, std::move(plan));
+    return;
+  }
+  const auto ahead = std::find_if(ahead_.begin(), ahead_.end(), is_it);
+  if (ahead == ahead_.end()) return;
+  const double seconds = ahead->seconds_until_needed;
+  ahead_.erase(ahead);
+  if (plan) pump_->prefetch(std::move(*plan), seconds);
+}
+
+void LeafTracker::receive_demanded(std::uint64_t number, LeafAnswer plan) {
+  const bool is_newest = demanded_.back().number == number;
+  if (!plan) {
+    std::erase_if(demanded_, [&](const Question& question) { return question.number == number; });
+    if (is_newest && plan.error().code != ErrorCode::kCancelled) events_.on_failure(plan.error());
+    return;
+  }
+  // Earlier questions are answered by this one: its viewpoint is nearer to where the viewer is.
+  std::erase_if(demanded_, [&](const Question& question) { return question.number <= number; });
+  const bool is_where_viewer_is = grid_.box((*plan)->leaf).contains(pose_->position);
+  // An answer the viewer has already left still beats none, unless a newer one is on its way soon.
+  if (is_where_viewer_is || is_newest || !pump_->current()) {
+    if (is_where_viewer_is) demanded_.clear();
+    events_.on_enter(std::move(*plan));
+  }
+}
+
+void LeafTracker::look_ahead(double time_s) {
+  targets_ = planner_.update(*pose_, time_s);
+  const auto is_target_in = [&](const Box& box) {
+    return std::any_of(targets_.begin(), targets_.end(), [&](const PrefetchTarget& t) { return box.contains(t.viewpoint); });
+  };
+  const bool is_new_way = planner_.heading_changed();
+  if (is_new_way) {
+    std::erase_if(ahead_, [&](const Question& question) { return !is_target_in(grid_.box(question.finest)); });
+  }
+  pump_->keep_prefetch([&](const CellId& leaf) { return is_target_in(grid_.box(leaf)); }, is_new_way);
+  for (const PrefetchTarget& target : targets_) {
+    if (ahead_.size() >= kAhead) break;
+    if (!is_in_current(target.viewpoint)) ask_ahead(target);
+  }
+}
+
+void LeafTracker::ask_ahead(const PrefetchTarget& target) {
+  if (std::shared_ptr<const LeafPlan> known = pump_->announced_at(target.viewpoint)) {
+    pump_->prefetch(std::move(known), target.seconds_until_needed);
+    return;
+  }
+  const CellId finest = grid_.cell_at(target.viewpoint, 0);
+  const auto is_same = [&](const Question& question) { return question.finest == finest; };
+  if (std::any_of(ahead_.begin(), ahead_.end(), is_same) || std::any_of(demanded_.begin(), demanded_.end(), is_same)) return;
+  if (pump_->knows_ahead(target.viewpoint)) return;
+  Question question{next_number_++, finest, target.seconds_until_needed, {}};
+  question.ticket = ask(target.viewpoint, WorkPriority{target.seconds_until_needed, 0.0f, true}, question.number);
+  ahead_.push_back(std::move(question));
+}
+
+void LeafTracker::stop() {
+  is_stopped_ = true;
+  demanded_.clear();
+  ahead_.clear();
+}
+
+}  // namespace farfield

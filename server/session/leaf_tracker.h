@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// From poses to leaves: which leaf the viewer is in, and which they will be in. Asks the cell service, keeps the
+// tickets, and drops what the viewer's way has made pointless.
+//
+// A leaf answers for every viewpoint in its box, so poses inside the known leaf cost nothing. While an answer is
+// outstanding and the viewer moves on, newer questions join it; answers count in the order of their questions.
+// Threads: the connection's executor. After stop() no event is called any more.
+#pragma once
+
+#include <asio/any_io_executor.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/math/camera.h"
+#include "server/schedule/prefetch_planner.h"
+#include "server/session/payload_pump.h"
+#include "server/session/token_bucket.h"
+
+namespace farfield {
+
+class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
+ public:
+  struct Events {
+    std::function<void(std::shared_ptr<const LeafPlan>)> on_enter;
+    std::function<void(const Error&)> on_failure;
+    /// Ask move() again after this time: the rate of leaf changes is used up.
+    std::function<void(TokenBucket::Clock::duration)> on_wait;
+  };
+  LeafTracker(asio::any_io_executor executor, std::shared_ptr<CellService> service, std::shared_ptr<PayloadPump> pump,
+              PrefetchPlanner& planner, const ServerLimits& limits, SessionMetrics& metrics, Events events,
+              std::shared_ptr<const void> keep_alive);
+
+  /// The newest pose, scene frame; `time_s` on the client's clock.
+  void move(const Pose& pose, double time_s);
+  /// The same viewpoint again, after on_wait.
+  void move_again();
+  void stop();
+
+ private:
+  /// One question about a viewpoint, under way.
+  struct Question {
+    std::uint64_t number = 0;
+    CellId finest;              // the finest cell that holds the viewpoint
+    double seconds_until_needed = 0;
+    Ticket ticket;
+  };
+  using LeafAnswer = Result<std::shared_ptr<const LeafPlan>>;
+
+  void demand();
+  void look_ahead(double time_s);
+  void ask_ahead(const PrefetchTarget& target);
+  Ticket ask(const glm::dvec3& viewpoint, const WorkPriority& priority, std::uint64_t number);
+  void receive(std::uint64_t number, LeafAnswer plan);
+  void receive_demanded(std::uint64_t number, LeafAnswer plan);
+  bool is_in_current(const glm::dvec3& viewpoint) const;
+
+  static constexpr std::size_t kDemanded = 3;  // questions about where the viewer is
+  static constexpr std::size_t kAhead = 4;     // about where they will be
+
+  asio::any_io_executor executor_;
+  std::shared_ptr<CellService> service_;
+  std::shared_ptr<PayloadPump> pump_;
+  PrefetchPlanner& planner_;
+  SessionMetrics& metrics_;
+  Events events_;
+  std::shared_ptr<const void> keep_alive_;
+  CellGrid grid_;
+  TokenBucket leaf_rate_;
+  std::optional<Pose> pose_;
+  std::uint64_t next_number_ = 1;
+  std::vector<Question> demanded_, ahead_;  // oldest first
+  std::vector<PrefetchTarget> targets_;     // of the newest pose that had any
+  bool is_stopped_ = false;
+};
+
+}  // namespace farfield

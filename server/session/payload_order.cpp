@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/payload_order.h"
+
+#include <algorithm>
+#include <unordered_set>
+
+namespace farfield {
+
+ContentHash tile_payload_key(ContentHash scene_hash, const TileId& id) {
+  ByteWriter name;
+  name.put(id.cell.level);
+  name.put(id.cell.x);
+  name.put(id.cell.y);
+  name.put(id.cell.z);
+  for (const std::uint8_t part : {id.view, id.face, id.x, id.y}) name.put(part);
+  return hash_bytes(name.bytes(), scene_hash);
+}
+
+ContentHash texture_payload_key(ContentHash texture_hash, int level) { return hash_value(level, texture_hash); }
+
+std::vector<std::uint32_t> listed_chunks(const CellService& service, const LeafPlan& plan, bool is_fallback) {
+  if (!is_fallback) return plan.chunks;
+  const Box leaf = CellGrid{service.scene().settings.finest_side_m}.box(plan.leaf);
+  std::vector<std::uint32_t> inside;
+  std::copy_if(plan.chunks.begin(), plan.chunks.end(), std::back_inserter(inside), [&](std::uint32_t chunk) {
+    return service.chunk_placement(chunk).bounds.intersects(leaf);
+  });
+  return inside;
+}
+
+std::vector<PayloadItem> payload_order(const CellService& service, const LeafPlan& plan, bool is_fallback) {
+  std::vector<PayloadItem> items;
+  std::vector<std::uint32_t> textures;  // in order of first use
+  std::unordered_set<ContentHash> listed;
+  const auto add = [&](PayloadItem::Kind kind, ContentHash key, std::uint32_t index, int level) {
+    if (listed.insert(key).second) items.push_back({key, index, kind, static_cast<std::uint8_t>(level)});
+  };
+  const auto add_level = [&](std::uint32_t index, const SceneTexture& texture, int level) {
+    add(PayloadItem::Kind::kTexture, texture_payload_key(texture.hash, level), index, level);
+  };
+
+  std::unordered_set<int> seen_textures;
+  for (const std::uint32_t chunk : listed_chunks(service, plan, is_fallback)) {
+    const PlacedSceneChunk placed = service.chunk_placement(chunk);
+    add(PayloadItem::Kind::kChunk, placed.hash, chunk, 0);
+    if (placed.texture < 0 || !seen_textures.insert(placed.texture).second) continue;
+    const auto index = static_cast<std::uint32_t>(placed.texture);
+    textures.push_back(index);
+    const SceneTexture texture = service.texture(index);
+    for (int level = texture.level_count - 1; level >= 0 && is_coarse_level(texture, level); --level) {
+      add_level(index, texture, level);
+    }
+  }
+
+  const ContentHash scene_hash = service.scene().hash;
+  const std::size_t tile_count = is_fallback ? plan.fallback_tiles.size() : plan.tiles.size();
+  for (std::uint32_t i = 0; i < tile_count; ++i) {
+    const TileId& id = is_fallback ? plan.fallback_tiles[i] : plan.tiles[i].id;
+    add(PayloadItem::Kind::kTile, tile_payload_key(scene_hash, id), i, 0);
+  }
+
+  // Level by level, coarse to fine, so that all textures sharpen together. A fallback view does without.
+  for (int level = is_fallback ? -1 : 15; level >= 0; --level) {
+    for (const std::uint32_t index : textures) {
+      const SceneTexture texture = service.texture(index);
+      if (level < texture.level_count && !is_coarse_level(texture, level)) add_level(index, texture, level);
+    }
+  }
+  return items;
+}
+
+}  // namespace farfield

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The payloads of one leaf set in the order in which they are worth sending.
+//
+//   chunks, nearest first, each with the coarse levels of its texture ─▶ tiles, nearest shell first ─▶ finer levels
+//
+// A viewer with these in this order first has surfaces under their feet, then a horizon, then detail.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/schedule/cell_service.h"
+
+namespace farfield {
+
+/// Texture levels with no edge above this many texels are coarse: they come with the geometry.
+inline constexpr int kCoarseTextureEdge = 64;
+
+inline bool is_coarse_level(const SceneTexture& texture, int level) {
+  return (texture.width > texture.height ? texture.width : texture.height) >> level <= kCoarseTextureEdge;
+}
+
+struct PayloadItem {
+  enum class Kind : std::uint8_t { kTile, kChunk, kTexture };
+  ContentHash key = 0;
+  std::uint32_t index = 0;   // tile: in the plan's tiles or fallback_tiles; chunk or texture: as the service counts
+  Kind kind = Kind::kTile;
+  std::uint8_t level = 0;    // of a texture
+};
+
+/// Keys that both sides may keep for as long as the scene's hash is the same: proto/README.md.
+ContentHash tile_payload_key(ContentHash scene_hash, const TileId& id);
+ContentHash texture_payload_key(ContentHash texture_hash, int level);
+
+/// The chunks a leaf set lists: all of the plan, or for its fallback view those that reach into the leaf's own box.
+std::vector<std::uint32_t> listed_chunks(const CellService& service, const LeafPlan& plan, bool is_fallback);
+
+/// Every payload once. O(payloads).
+std::vector<PayloadItem> payload_order(const CellService& service, const LeafPlan& plan, bool is_fallback);
+
+}  // namespace farfield

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the viewer does, and which leaf sets follow from it. How payloads flow: payload_flow.cpp.
+#include "server/session/payload_pump.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/session/session_messages.h"
+
+namespace farfield {
+
+PayloadPump::PayloadPump(Parts parts, std::uint64_t first_serial)
+    : parts_(std::move(parts)), held_(parts_.limits.held_remembered), next_serial_(first_serial) {}
+
+LeafStream* PayloadPump::find_stream(std::uint64_t serial) {
+  const auto found = std::find_if(streams_.begin(), streams_.end(), [&](const auto& s) { return s->serial == serial; });
+  return found == streams_.end() ? nullptr : found->get();
+}
+
+LeafStream* PayloadPump::find_stream(LeafStream::Role role) {
+  const auto found = std::find_if(streams_.begin(), streams_.end(), [&](const auto& s) { return s->role == role; });
+  return found == streams_.end() ? nullptr : found->get();
+}
+
+PayloadPump::Announced* PayloadPump::find_announced(const CellId& leaf) {
+  const auto found =
+      std::find_if(announced_.begin(), announced_.end(), [&](const Announced& a) { return a.plan->leaf == leaf; });
+  return found == announced_.end() ? nullptr : &*found;
+}
+
+std::shared_ptr<const LeafPlan> PayloadPump::announced_at(const glm::dvec3& viewpoint) const {
+  const CellGrid grid{parts_.service->scene().settings.finest_side_m};
+  for (const Announced& announced : announced_) {
+    if (grid.box(announced.plan->leaf).contains(viewpoint)) return announced.plan;
+  }
+  return nullptr;
+}
+
+bool PayloadPump::knows_ahead(const glm::dvec3& viewpoint) const {
+  const CellGrid grid{parts_.service->scene().settings.finest_side_m};
+  std::size_t prefetched = 0;
+  for (const auto& stream : streams_) {
+    if (!stream->is_prefetch()) continue;
+    if (++prefetched >= parts_.limits.prefetched_leaves || grid.box(stream->plan->leaf).contains(viewpoint)) return true;
+  }
+  return false;
+}
+
+bool PayloadPump::is_current_complete() const {
+  return std::any_of(streams_.begin(), streams_.end(),
+                     [](const auto& s) { return s->role == LeafStream::Role::kCurrent && s->is_complete; });
+}
+
+void PayloadPump::announce(LeafStream& stream) {
+  const LeafSetHead head{stream.serial, !stream.is_prefetch(), stream.is_fallback()};
+  parts_.connection->send(leaf_set_message(head, *parts_.service, *stream.plan));
+  stream.is_announced = true;
+  ++parts_.metrics.leaf_sets;
+  if (stream.is_prefetch()) ++parts_.metrics.leaf_sets_prefetched;
+  if (stream.is_fallback()) {
+    ++parts_.metrics.leaf_sets_fallback;
+    return;
+  }
+  parts_.metrics.payloads_held += stream.count_held(held_);
+  announced_.push_back({stream.serial, stream.plan, false});
+  if (announced_.size() > kManifestsKept) announced_.pop_front();
+}
+
+void PayloadPump::enter(std::shared_ptr<const LeafPlan> plan, bool wants_fallback) {
+  if (is_stopped_ || (current_ && current_->leaf == plan->leaf)) return;
+  current_ = std::move(plan);
+  withdraw_queued(Lane::kPayload);
+  withdraw_queued(Lane::kPrefetch);
+  for (std::size_t i = streams_.size(); i-- > 0;) {
+    if (!streams_[i]->is_prefetch() || streams_[i]->plan->leaf == current_->leaf) drop_stream(i);
+  }
+
+  const Announced* before = find_announced(current_->leaf);
+  auto stream = std::make_unique<LeafStream>(*parts_.service, before ? before->serial : next_serial_++, current_,
+                                             LeafStream::Role::kCurrent, 0.0);
+  std::unordered_set<ContentHash> needed;
+  for (const PayloadItem& item : stream->items()) needed.insert(item.key);
+  drop_requests([&](ContentHash key, const Pending&) { return !needed.contains(key); });
+  failed_.clear();
+  if (before) {
+    stream->is_announced = true;
+    stream->is_complete = before->is_complete && stream->is_all_sent(held_);
+    ++parts_.metrics.leaf_sets_reused;
+  } else {
+    announce(*stream);
+  }
+  streams_.insert(streams_.begin(), std::move(stream));
+  if (wants_fallback) want_fallback();
+  pump();
+}
+
+void PayloadPump::want_fallback() {
+  const LeafStream* stream = find_stream(LeafStream::Role::kCurrent);
+  if (is_stopped_ || !stream || find_stream(LeafStream::Role::kFallback) || stream->is_complete) return;
+  if (current_->fallback_tiles.empty()) return;
+  auto fallback = std::make_unique<LeafStream>(*parts_.service, next_serial_++, current_, LeafStream::Role::kFallback, 0.0);
+  announce(*fallback);
+  streams_.insert(streams_.begin(), std::move(fallback));
+  pump();
+}
+
+void PayloadPump::prefetch(std::shared_ptr<const LeafPlan> plan, double seconds_until_needed) {
+  if (is_stopped_ || (current_ && current_->leaf == plan->leaf)) return;
+  std::size_t prefetched = 0;
+  for (const auto& stream : streams_) {
+    if (!stream->is_prefetch()) continue;
+    if (stream->plan->leaf == plan->leaf || ++prefetched >= parts_.limits.prefetched_leaves) return;
+  }
+  const Announced* before = find_announced(plan->leaf);
+  auto stream = std::make_unique<LeafStream>(*parts_.service, before ? before->serial : next_serial_++, std::move(plan),
+                                             LeafStream::Role::kPrefetch, seconds_until_needed);
+  stream->is_announced = before != nullptr;
+  stream->is_complete = before && before->is_complete && stream->is_all_sent(held_);
+  const auto place = std::find_if(streams_.begin(), streams_.end(), [&](const auto& other) {
+    return other->is_prefetch() && other->seconds_until_needed > seconds_until_needed;
+  });
+  streams_.insert(place, std::move(stream));
+  pump();
+}
+
+void PayloadPump::keep_prefetch(const std::function<bool(const CellId&)>& is_ahead, bool is_new_way) {
+  std::unordered_set<std::uint64_t> dropped;
+  for (std::size_t i = streams_.size(); i-- > 0;) {
+    const LeafStream& stream = *streams_[i];
+    if (!stream.is_prefetch() || !(is_new_way || stream.is_complete) || is_ahead(stream.plan->leaf)) continue;
+    if (!stream.is_complete) dropped.insert(stream.serial);
+    drop_stream(i);
+  }
+  if (dropped.empty()) return;
+  drop_requests([&](ContentHash, const Pending& p) { return p.is_prefetch && dropped.contains(p.stream); });
+  withdraw_queued(Lane::kPrefetch);
+  pump();
+}
+
+void PayloadPump::note_evicted(const std::vector<ContentHash>& keys) {
+  std::unordered_set<ContentHash> lost;
+  for (const ContentHash key : keys) {
+    if (held_.erase(key)) lost.insert(key);
+  }
+  if (lost.empty()) return;
+  for (std::size_t i = streams_.size(); i-- > 0;) {
+    if (!streams_[i]->lose(lost)) continue;
+    streams_[i]->is_complete = false;
+    // A client that makes room by dropping what was sent ahead of need wants less of it, not the same again.
+    if (streams_[i]->is_prefetch()) drop_stream(i);
+  }
+  pump();
+}
+
+void PayloadPump::withdraw_queued(Lane lane) {
+  for (const std::uint64_t tag : parts_.connection->discard(lane)) {
+    // A tag is the key of a payload, or the serial of the leaf set whose end was announced.
+    if (LeafStream* stream = find_stream(tag)) {
+      stream->is_complete = false;
+    } else if (held_.erase(tag)) {
+      ++parts_.metrics.payloads_stale;
+    }
+    for (Announced& announced : announced_) {
+      if (announced.serial == tag) announced.is_complete = false;
+    }
+  }
+  for (const auto& stream : streams_) stream->rewind();
+}
+
+void PayloadPump::drop_requests(const std::function<bool(ContentHash, const Pending&)>& is_stale) {
+  for (auto entry = pending_.begin(); entry != pending_.end();) {
+    if (!is_stale(entry->first, entry->second)) {
+      ++entry;
+      continue;
+    }
+    pending_prefetch_ -= entry->second.is_prefetch ? 1 : 0;
+    ++parts_.metrics.payloads_stale;
+    entry = pending_.erase(entry);
+  }
+  std::erase_if(arrived_, [&](ContentHash key) { return !pending_.contains(key); });
+  for (const auto& stream : streams_) stream->rewind();
+}
+
+void PayloadPump::drop_stream(std::size_t index) {
+  LeafStream& stream = *streams_[index];
+  if (stream.is_prefetch()) parts_.planner.remove_outstanding(stream.prefetched_bytes);
+  streams_.erase(streams_.begin() + static_cast<std::ptrdiff_t>(index));
+}
+
+void PayloadPump::stop() {
+  is_stopped_ = true;
+  streams_.clear();
+  pending_.clear();
+  arrived_.clear();
+  announced_.clear();
+}
+
+}  // namespace farfield

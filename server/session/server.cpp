@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/session/server.h"
+
+#include <algorithm>
+#include <asio/co_spawn.hpp>
+#include <asio/detached.hpp>
+#include <asio/executor_work_guard.hpp>
+#include <asio/redirect_error.hpp>
+#include <asio/steady_timer.hpp>
+#include <asio/strand.hpp>
+#include <asio/use_awaitable.hpp>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <unordered_map>
+#include <unordered_set>
+
+#include "common/net/connect.h"
+#include "server/session/session.h"
+#include "server/session/session_messages.h"
+
+namespace farfield {
+
+using asio::ip::tcp;
+
+struct Server::State {
+  State(ServerOptions server_options, std::vector<std::shared_ptr<CellService>> scenes)
+      : options(std::move(server_options)),
+        registry(options.limits.resumable, options.limits.resume_for),
+        world{std::move(scenes), options.limits, metrics, registry, options.log},
+        context(std::make_shared<asio::io_context>(options.threads)),
+        work(asio::make_work_guard(*context)) {}
+
+  ServerOptions options;
+  SessionMetrics metrics;
+  ResumeRegistry registry;
+  SessionWorld world;
+  std::shared_ptr<asio::io_context> context;
+  asio::executor_work_guard<asio::io_context::executor_type> work;
+  std::unique_ptr<tcp::acceptor> acceptor;
+  Endpoint endpoint;
+  std::vector<std::thread> threads;
+
+  std::mutex mutex;  // guards everything below
+  std::condition_variable session_closed;
+  std::unordered_map<std::uint64_t, std::weak_ptr<Session>> sessions;
+  std::uint64_t next_session = 1;
+  std::atomic<bool> is_draining{false};
+
+  static asio::awaitable<void> accept(State* state);
+  void open(tcp::socket socket);
+  void refuse(std::shared_ptr<Connection> connection);
+  std::vector<std::shared_ptr<Session>> open_sessions();
+  void stop_listening();
+};
+
+asio::awaitable<void> Server::State::accept(State* state) {
+  asio::error_code error;
+  asio::steady_timer pause(*state->context);
+  while (state->acceptor->is_open()) {
+    tcp::socket socket(asio::any_io_executor(asio::make_strand(*state->context)));
+    co_await state->acceptor->async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
+    if (!error) {
+      state->open(std::move(socket));
+    } else if (error != asio::error::operation_aborted) {
+      // Out of descriptors, most likely: those who are here go on, new ones wait until some have left.
+      pause.expires_after(std::chrono::milliseconds(100));
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+    }
+  }
+}
+
+void Server::State::open(tcp::socket socket) {
+  ConnectionOptions connection_options;
+  connection_options.receive_limits = kFromClientLimits;
+  connection_options.outbox_bytes = options.limits.outbox_bytes;
+  connection_options.control_outbox_bytes = options.limits.control_bytes;
+  connection_options.totals = metrics.traffic;
+  std::shared_ptr<Connection> connection = Connection::create(std::move(socket), connection_options);
+
+  std::shared_ptr<Session> session;
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(mutex);
+    if (sessions.size() < options.limits.sessions && !is_draining) {
+      number = next_session++;
+      // Serials of different sessions never meet, so a client that could not resume does not confuse them.
+      session = std::make_shared<Session>(context, connection, world, (number << 32) + 1);
+      sessions[number] = session;
+    }
+  }
+  const asio::any_io_executor executor = connection->executor();
+  if (!session) {
+    asio::post(executor, [this, connection] { refuse(connection); });
+    return;
+  }
+  ++metrics.open_sessions;
+  asio::post(executor, [this, session, number] {
+    session->start([this, number] {
+      --metrics.open_sessions;
+      const std::lock_guard lock(mutex);
+      sessions.erase(number);
+      session_closed.notify_all();
+    });
+  });
+}
+
+void Server::State::refuse(std::shared_ptr<Connection> connection) {
+  ++metrics.refused_sessions;
+  connection->start({});
+  const std::string reason = is_draining ? "this server is shutting down" : "this server is full";
+  connection->send(go_away_message(reason, "", std::chrono::seconds(5)));
+  connection->close_after_flush({ErrorCode::kUnavailable, reason}, std::chrono::seconds(1));
+}
+
+std::vector<std::shared_ptr<Session>> Server::State::open_sessions() {
+  std::vector<std::shared_ptr<Session>> open;
+  const std::lock_guard lock(mutex);
+  for (const auto& [number, session] : sessions) {
+    if (auto alive = session.lock()) open.push_back(std::move(alive));
+  }
+  return open;
+}
+
+void Server::State::stop_listening() {
+  asio::post(acceptor->get_executor(), [this] {
+    asio::error_code ignored;
+    acceptor->close(ignored);
+  });
+}
+
+Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Result<std::unique_ptr<Server>> Server::start(ServerOptions options, std::vector<std::shared_ptr<CellService>> scenes) {
+  if (scenes.empty()) return fail(ErrorCode::kInvalidArgument, "a server needs at least one scene");
+  std::unordered_set<std::string> names;
+  for (const std::shared_ptr<CellService>& scene : scenes) {
+    if (!names.insert(scene->scene().name).second) {
+      return fail(ErrorCode::kInvalidArgument, "two scenes are called '{}': give one another name with NAME=SCENE",
+                  scene->scene().name);
+    }
+  }
+  options.threads = std::max(options.threads, 1);
+  auto state = std::make_unique<State>(std::move(options), std::move(scenes));
+  // On a strand of its own: closing it must not meet an accept on another thread.
+  Result<tcp::acceptor> acceptor = listen_at(asio::make_strand(*state->context), state->options.listen);
+  if (!acceptor) return tl::unexpected(acceptor.error());
+  state->acceptor = std::make_unique<tcp::acceptor>(std::move(*acceptor));
+  asio::error_code ignored;
+  const tcp::endpoint local = state->acceptor->local_endpoint(ignored);
+  state->endpoint = Endpoint{local.address().to_string(), local.port()};
+  asio::co_spawn(state->acceptor->get_executor(), State::accept(state.get()), asio::detached);
+  for (int i = 0; i < state->options.threads; ++i) {
+    state->threads.emplace_back([context = state->context] { context->run(); });
+  }
+  return std::unique_ptr<Server>(new Server(std::move(state)));
+}
+
+Server::~Server() {
+  state_->is_draining = true;
+  state_->stop_listening();
+  for (const auto& session : state_->open_sessions()) session->drain("the server stops", std::chrono::milliseconds(0));
+  // Closed connections end their coroutines, and without any the network threads have nothing left to do.
+  state_->work.reset();
+  for (std::thread& thread : state_->threads) thread.join();
+}
+
+Endpoint Server::endpoint() const { return state_->endpoint; }
+const SessionMetrics& Server::metrics() const { return state_->metrics; }
+bool Server::is_draining() const { return state_->is_draining; }
+
+void Server::drain(const std::string& reason, std::chrono::milliseconds grace) {
+  state_->is_draining = true;
+  state_->stop_listening();
+  for (const auto& session : state_->open_sessions()) session->drain(reason, grace);
+  std::unique_lock lock(state_->mutex);
+  // A little longer than each session's own grace, so that the last of them is counted.
+  state_->session_closed.wait_for(lock, grace + std::chrono::milliseconds(200), [&] { return state_->sessions.empty(); });
+}
+
+}  // namespace farfield

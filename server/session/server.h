@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// The server on the network: listens, gives every connection a session, and drains.
+//
+// Threads: `threads` network threads of its own; every function may be called from any other thread.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/net/endpoint.h"
+#include "server/schedule/cell_service.h"
+#include "server/session/server_limits.h"
+#include "server/session/session_metrics.h"
+
+namespace farfield {
+
+struct ServerOptions {
+  Endpoint listen;                      // port 0: any free one
+  int threads = 1;                      // network threads: they only copy bytes and parse small messages
+  ServerLimits limits;
+  std::function<void(const std::string&)> log;  // one line per event; thread-safe; may be empty
+};
+
+class Server {
+ public:
+  /// Serves from its return on. `scenes`: by the names in their descriptions; the first is the default.
+  /// Errors: kInvalidArgument (no scene, a name twice), kNotFound, kUnavailable (the port is in use), kIo.
+  static Result<std::unique_ptr<Server>> start(ServerOptions options, std::vector<std::shared_ptr<CellService>> scenes);
+  /// Cuts what is still connected.
+  ~Server();
+
+  /// Where it listens, with the actual port.
+  Endpoint endpoint() const;
+  const SessionMetrics& metrics() const;
+  bool is_draining() const;
+
+  /// Takes no new connections, tells every client to come back later, and returns when all are gone or `grace` is
+  /// over.
+  void drain(const std::string& reason, std::chrono::milliseconds grace);
+
+ private:
+  struct State;
+  explicit Server(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace farfield

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything a client can make the server spend, bounded in one place. What clients must know travels in Welcome.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace farfield {
+
+struct ServerLimits {
+  std::size_t sessions = 1000;
+  // ── announced ──
+  std::uint32_t held = 65536;            // hashes in Hello.held and Evicted: half the largest message
+  std::uint32_t poses_per_second = 30;   // a walker moves 5 cm between two of them
+  std::uint32_t leaves_per_second = 20;
+  // ── per session ──
+  std::size_t outbox_bytes = std::size_t{512} << 10;   // payloads waiting; what is already stale goes out otherwise
+  std::size_t control_bytes = std::size_t{4} << 20;    // a peer that lets more than this wait is not reading
+  std::size_t held_remembered = std::size_t{1} << 18;  // beyond it the oldest are forgotten, and would be sent again
+  std::size_t requests = 64;             // payloads asked of the cell service and not yet sent
+  std::size_t prefetch_requests = 16;    // of these, for leaves the viewer is not in
+  std::size_t prefetched_leaves = 4;     // leaf sets sent ahead at one time
+  // ── time ──
+  std::chrono::milliseconds hello_timeout{10'000};
+  std::chrono::milliseconds ping_after{10'000};        // silence
+  std::chrono::milliseconds give_up_after{30'000};     // silence after pings, or a write without progress
+  std::chrono::milliseconds resume_for{60'000};
+  std::size_t resumable = 4096;
+};
+
+}  // namespace farfield
