@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <map>
+#include <numbers>
+#include <ostream>
+#include <string_view>
+
+#include "common/net/message_type.h"
+
+namespace farfield::client {
+namespace {
+
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  farfield-client --connect scenes.example.org:7400 --scene clinic\n"
+    "      Walk through a scene in a window.\n"
+    "  farfield-client --connect :7400 --headless --trace walk.trace --frames-dir out --json\n"
+    "      Replay a recorded walk in real time without a screen; images into out/, figures to stdout.\n"
+    "  farfield-client --connect :7400 --headless --trace walk.trace --lockstep --frames 60\n"
+    "      The same walk as 60 frames, each waiting for its complete leaf set.\n"
+    "  farfield-client --connect :7400 --headless --trace walk.trace --link rate=20mbit,delay=40ms\n"
+    "      Over a slow link, modelled in this process.\n"
+    "\n"
+    "Exit status: 0 success, 1 failure, 2 wrong usage, 130 interrupted.";
+
+constexpr int kSmallestEdgePx = 16;
+constexpr int kLargestEdgePx = 8192;
+
+/// "1280x720".
+std::string parse_size(const std::string& text, Display& display) {
+  int width = 0, height = 0;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, width);
+  const bool has_cross = first.ec == std::errc() && first.ptr != end && (*first.ptr == 'x' || *first.ptr == 'X');
+  const auto second = has_cross ? std::from_chars(first.ptr + 1, end, height) : first;
+  const auto is_edge = [](int edge) { return edge >= kSmallestEdgePx && edge <= kLargestEdgePx; };
+  if (!has_cross || second.ec != std::errc() || second.ptr != end || !is_edge(width) || !is_edge(height)) {
+    return text + " is no image size: write WIDTHxHEIGHT, as in 1280x720, each 16 to 8192";
+  }
+  display.width = width;
+  display.height = height;
+  return {};
+}
+
+/// A CLI11 check that stores what it parsed; CLI11 prefixes the message with the option's name.
+template <class Parse>
+auto storing(Parse parse) {
+  return [parse](const std::string& text) -> std::string { return parse(text); };
+}
+
+std::string version_line() {
+#ifdef NDEBUG
+  constexpr const char* kBuild = "release";
+#else
+  constexpr const char* kBuild = "debug";
+#endif
+  return fmt::format("farfield-client {} ({} build, protocol {} to {}, g++ {})", FARFIELD_VERSION, kBuild,
+                     kProtocolVersionMin, kProtocolVersionMax, __VERSION__);
+}
+
+}  // namespace
+
+tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* const* arguments, std::ostream& out,
+                                                std::ostream& talk) {
+  ProgramOptions options;
+  CLI::App app{"Walk through 3D models far too big for this machine.", "farfield-client"};
+  app.footer(kFooter);
+  app.set_version_flag("--version", version_line());
+
+  std::string connect = to_string(options.server), size, link, record, trace, frames_dir;
+  double fovy_deg = 60;
+  bool is_headless = false;
+  app.add_option("--connect", connect, "Server, HOST:PORT")->envname("FARFIELD_CONNECT")->capture_default_str();
+  app.add_option("--scene", options.scene, "Scene in the server's catalogue; default: its first")->envname("FARFIELD_SCENE");
+  app.add_option("--link", link, "Model a slow link: rate=20mbit,delay=40ms,jitter=5ms,loss=0.1%");
+  app.add_flag("--window", options.is_window, "Show a window (default)");
+  CLI::Option* headless = app.add_flag("--headless", is_headless, "Draw without a screen");
+  headless->excludes("--window");
+  app.add_option("--trace", trace, "Replay a recorded camera path")->check(CLI::ExistingFile);
+  app.add_option("--frames-dir", frames_dir, "Write every frame as PNG into this folder")->needs(headless);
+  app.add_option("--frames", options.frames, "Frames to draw; in lockstep spread evenly over the trace");
+  app.add_flag("--lockstep", options.is_lockstep, "Every frame waits for its complete leaf set")->needs(headless);
+  app.add_option("--fps", options.frames_per_second, "At most this many frames per second; 0: no bound")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--record", record, "Write the walk as a trace to this file");
+  const std::map<std::string, RendererChoice> renderers{
+      {"auto", RendererChoice::kAuto}, {"cpu", RendererChoice::kCpu}, {"gl", RendererChoice::kGl}};
+  app.add_option("--renderer", options.renderer, "Impostors on the cpu or by gl; auto: gl where there is a GPU")
+      ->transform(CLI::CheckedTransformer(renderers))
+      ->envname("FARFIELD_RENDERER")
+      ->default_str("auto");
+  app.add_option("--samples", options.samples_per_pixel, "Samples per pixel")->check(CLI::IsMember({1, 4}))->capture_default_str();
+  app.add_option("--size", size, "Image size, WIDTHxHEIGHT")
+      ->check(storing([&](const std::string& text) { return parse_size(text, options.display); }))
+      ->default_str("1280x720");
+  app.add_option("--fovy", fovy_deg, "Vertical field of view in degrees")->check(CLI::Range(1.0, 170.0))->capture_default_str();
+  app.add_option("--memory", options.memory_bytes, "Bound on decoded geometry and images, as in 512MiB")
+      ->transform(CLI::AsSizeValue(true))
+      ->envname("FARFIELD_MEMORY")
+      ->default_str("512MiB");
+  app.add_option("--timeout", options.timeout_s, "Seconds to wait for the server, and in lockstep for a leaf set")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->capture_default_str();
+  app.add_flag("--json", options.is_json, "Figures as JSON on stdout");
+  app.add_flag("-q,--quiet", options.is_quiet, "No talk on stderr but errors");
+  try {
+    app.parse(argument_count, arguments);
+  } catch (const CLI::ParseError& error) {
+    return tl::unexpected(app.exit(error, out, talk) == 0 ? 0 : kExitUsage);
+  }
+
+  options.is_window = !is_headless;
+  options.display.fovy_rad = fovy_deg * std::numbers::pi / 180.0;
+  options.trace = trace;
+  options.frames_dir = frames_dir;
+  options.record = record;
+  const Result<Endpoint> endpoint = parse_endpoint(connect);
+  const Result<LinkModel> model = link.empty() ? Result<LinkModel>(LinkModel{}) : parse_link_model(link);
+  if (!endpoint || !model) {
+    talk << (endpoint ? "--link: " + model.error().message : "--connect: " + endpoint.error().message) << '\n';
+    return tl::unexpected(kExitUsage);
+  }
+  options.server = *endpoint;
+  options.link = *model;
+  return options;
+}
+
+}  // namespace farfield::client
