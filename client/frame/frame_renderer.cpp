@@ -161,7 +161,8 @@ FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Po
   State& s = *state_;
   FrameReport report;
   Lap total;
-  if (!leaf) {
+  const bool is_empty = !leaf;
+  if (is_empty) {
     auto empty = std::make_shared<LeafView>();
     empty->leaf_box = Box{eye.position, eye.position}.grown(0.5);
     empty->near_region = empty->leaf_box;
@@ -171,14 +172,16 @@ FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Po
     Lap lap;
     const auto upload = s.impostors->upload(*leaf, s.options.frame_upload_bytes);
     report.times.impostors_ms = lap();
-    if (!upload.is_complete && s.drawn) {
-      report.is_previous_leaf = s.drawn != leaf;
+    // A fuller version of what is drawn already is better even while it is being uploaded.
+    const bool is_refinement = s.drawn && s.drawn->leaf == leaf->leaf && s.drawn->is_fallback == leaf->is_fallback;
+    if (!upload.is_complete && s.drawn && !is_refinement) {
+      report.is_previous_leaf = true;
       leaf = s.drawn;
     } else {
       s.drawn = leaf;
     }
   }
-  report.leaf = leaf->leaf;
+  if (!is_empty) report.drawn = leaf;
   if (s.renderer == Renderer::kCpu) {
     s.render_cpu(*leaf, eye, frame, report);
   } else {

@@ -47,7 +47,7 @@ struct FrameReport {
   ImpostorStatistics impostors;   // kGl
   FrameTimes times;
   bool is_previous_leaf = false;  // the new leaf set is still being uploaded
-  CellId leaf;                    // of what was drawn
+  std::shared_ptr<const LeafView> drawn;  // null: background only
 };
 
 class FrameRenderer {
