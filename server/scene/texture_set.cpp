@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/scene/texture_set.h"
 
+#ifdef __SSE4_1__
+#include <immintrin.h>
+#endif
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,6 +20,17 @@ typedef std::int32_t I32x4 __attribute__((vector_size(16)));
 typedef float F32x4 __attribute__((vector_size(16)));
 
 constexpr float kLinearScale = 65535.0f;
+
+// Four channels at once. GCC 12 takes __builtin_convertvector of 16-bit lanes apart, so it is spelt out where it can be.
+F32x4 to_floats(const void* texel) {
+#ifdef __SSE4_1__
+  return F32x4(_mm_cvtepi32_ps(_mm_cvtepu16_epi32(_mm_loadl_epi64(static_cast<const __m128i*>(texel)))));
+#else
+  U16x4 channels;
+  std::memcpy(&channels, texel, sizeof channels);
+  return __builtin_convertvector(channels, F32x4);
+#endif
+}
 
 }  // namespace
 
@@ -38,9 +53,8 @@ struct TextureSet::Lookup {
   // Bilinear in one of the two levels (lane 0 or 2 names its u). Returns: r, g, b, a times their scale.
   F32x4 blend(const Level& level, int lane) const {
     const auto load = [&](std::int32_t column, std::int32_t row) {
-      U16x4 texel;
-      std::memcpy(&texel, &level.texels[static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(column)], sizeof texel);
-      return __builtin_convertvector(texel, F32x4);
+      return to_floats(&level.texels[static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width) +
+                                     static_cast<std::size_t>(column)]);
     };
     const float x = fraction[lane], y = fraction[lane + 1];
     const F32x4 upper_left = load(first[lane], first[lane + 1]), lower_left = load(first[lane], second[lane + 1]);
