@@ -38,7 +38,14 @@ constexpr int kLeastExponent = -100, kGreatestExponent = 60;  // outside, values
 constexpr int kZstdLevel = 3;
 constexpr std::size_t kMaxVertices = 3 * kMaxChunkTriangles;
 
-enum Flags : std::uint8_t { kMasked = 1, kHasUv = 2, kUniformColour = 4, kWidePosition = 8, kWideUv = 16, kKnownFlags = 31 };
+enum Flags : std::uint8_t {
+  kMasked = 1,
+  kHasUv = 2,
+  kUniformColour = 4,
+  kWidePosition = 8,
+  kWideUv = 16,
+  kKnownFlags = 31
+};
 
 /// The integer grid of some float components of all vertices.
 struct Grid {
@@ -48,11 +55,13 @@ struct Grid {
 
   std::uint32_t code(float value, int component) const {
     if (exponent == kRawFloats) return std::bit_cast<std::uint32_t>(value);
-    return static_cast<std::uint32_t>(static_cast<std::int64_t>(std::ldexp(static_cast<double>(value), -exponent)) - least[component]);
+    return static_cast<std::uint32_t>(static_cast<std::int64_t>(std::ldexp(static_cast<double>(value), -exponent)) -
+                                      least[component]);
   }
   float value(std::uint32_t code, int component) const {
     if (exponent == kRawFloats) return std::bit_cast<float>(code);
-    return static_cast<float>(std::ldexp(static_cast<double>(least[component] + static_cast<std::int64_t>(code)), exponent));
+    return static_cast<float>(
+        std::ldexp(static_cast<double>(least[component] + static_cast<std::int64_t>(code)), exponent));
   }
 };
 
@@ -76,7 +85,9 @@ Grid choose_grid(const std::vector<ChunkVertex>& vertices, int components, Get g
       largest = std::max(largest, std::abs(value));
     }
   Grid grid;
-  if (exponent < kLeastExponent || std::ldexp(static_cast<double>(largest), -exponent) > std::numeric_limits<std::int32_t>::max()) return grid;
+  if (exponent < kLeastExponent ||
+      std::ldexp(static_cast<double>(largest), -exponent) > std::numeric_limits<std::int32_t>::max())
+    return grid;
   grid.exponent = static_cast<std::int8_t>(exponent);
   std::int64_t range = 0;
   for (int c = 0; c < components; ++c) {
@@ -99,7 +110,9 @@ struct RowLayout {
   bool has_uv, has_colour;
 
   explicit RowLayout(std::uint8_t flags)
-      : position_bytes(flags & kWidePosition ? 4 : 2), uv_bytes(flags & kWideUv ? 4 : 2), has_uv(flags & kHasUv),
+      : position_bytes(flags & kWidePosition ? 4 : 2),
+        uv_bytes(flags & kWideUv ? 4 : 2),
+        has_uv(flags & kHasUv),
         has_colour(!(flags & kUniformColour)) {
     size = 3 * position_bytes + 4 + (has_uv ? 2 * uv_bytes : 0) + (has_colour ? 4 : 0);
     size = (size + 3) / 4 * 4;
@@ -132,19 +145,25 @@ std::optional<Grid> get_grid(ByteReader& in, int components, bool is_wide) {
   if (grid.exponent < kLeastExponent || grid.exponent > kGreatestExponent) return std::nullopt;
   for (int c = 0; c < components; ++c) {
     grid.least[c] = in.get_signed();
-    if (grid.least[c] < std::numeric_limits<std::int32_t>::min() || grid.least[c] > std::numeric_limits<std::int32_t>::max())
+    if (grid.least[c] < std::numeric_limits<std::int32_t>::min() ||
+        grid.least[c] > std::numeric_limits<std::int32_t>::max())
       return std::nullopt;
   }
   return grid;
 }
 
-float position_component(const ChunkVertex& vertex, int c) { return vertex.position[c]; }
-float uv_component(const ChunkVertex& vertex, int c) { return vertex.uv[c]; }
+float position_component(const ChunkVertex& vertex, int c) {
+  return vertex.position[c];
+}
+float uv_component(const ChunkVertex& vertex, int c) {
+  return vertex.uv[c];
+}
 
 // The order in which the codecs predict best: triangles along strips, vertices by first use.
 Chunk in_coding_order(const Chunk& chunk) {
   Chunk ordered = chunk;
-  meshopt_optimizeVertexCacheStrip(ordered.indices.data(), chunk.indices.data(), chunk.indices.size(), chunk.vertices.size());
+  meshopt_optimizeVertexCacheStrip(ordered.indices.data(), chunk.indices.data(), chunk.indices.size(),
+                                   chunk.vertices.size());
   std::vector<std::uint16_t> rank(chunk.vertices.size(), 0xffff);
   ordered.vertices.clear();
   for (std::uint16_t& index : ordered.indices) {
@@ -223,8 +242,8 @@ Bytes encode_chunk(const Chunk& source) {
   const std::size_t header_bytes = out.size();
   Bytes bytes = out.take();
   bytes.resize(header_bytes + ZSTD_compressBound(blocks.size()));
-  const std::size_t compressed = ZSTD_compress(bytes.data() + header_bytes, bytes.size() - header_bytes, blocks.data(),
-                                               blocks.size(), kZstdLevel);
+  const std::size_t compressed =
+      ZSTD_compress(bytes.data() + header_bytes, bytes.size() - header_bytes, blocks.data(), blocks.size(), kZstdLevel);
   assert(!ZSTD_isError(compressed));
   bytes.resize(header_bytes + compressed);
   return bytes;
@@ -267,7 +286,8 @@ Result<Chunk> decode_chunk(ByteView bytes) {
   if (meshopt_decodeVertexBuffer(rows.data(), vertices, layout.size, blocks.data(), vertex_bytes) != 0)
     return bad("its vertices are damaged");
   chunk.indices.resize(3 * triangles);
-  if (meshopt_decodeIndexBuffer(chunk.indices.data(), chunk.indices.size(), blocks.data() + vertex_bytes, index_bytes) != 0)
+  if (meshopt_decodeIndexBuffer(chunk.indices.data(), chunk.indices.size(), blocks.data() + vertex_bytes,
+                                index_bytes) != 0)
     return bad("its indices are damaged");
   if (*std::max_element(chunk.indices.begin(), chunk.indices.end()) >= vertices)
     return bad("an index points past the last vertex");

@@ -49,7 +49,8 @@ tl::unexpected<Error> bad(const char* what) {
 }  // namespace
 
 Bytes encode_texture_level(const TextureLevel& level) {
-  assert(level.rgba.size() == std::size_t{4} * static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height));
+  assert(level.rgba.size() ==
+         std::size_t{4} * static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height));
   bool is_opaque = true;
   for (std::size_t i = 3; i < level.rgba.size() && is_opaque; i += 4) is_opaque = level.rgba[i] == 255;
   Bytes colour;

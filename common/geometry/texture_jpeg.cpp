@@ -3,11 +3,11 @@
 // object with a destructor lives in a function that is jumped out of.
 #include "common/geometry/texture_jpeg.h"
 
+#include <jpeglib.h>
+
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
-
-#include <jpeglib.h>
 
 namespace farfield {
 namespace {
@@ -115,7 +115,8 @@ Status decode_texture_jpeg(ByteView jpeg, int width, int height, std::vector<std
   };
   const auto damaged = [&] { return finish(fail(ErrorCode::kBadData, "JPEG: {}", job.errors.text)); };
   if (!read_header(job, jpeg)) return damaged();
-  if (job.info.image_width != static_cast<JDIMENSION>(width) || job.info.image_height != static_cast<JDIMENSION>(height))
+  if (job.info.image_width != static_cast<JDIMENSION>(width) ||
+      job.info.image_height != static_cast<JDIMENSION>(height))
     return finish(fail(ErrorCode::kBadData, "JPEG: {}×{} pixels, the header before it says {}×{}", job.info.image_width,
                        job.info.image_height, width, height));
   // Many scans over one picture would cost time out of proportion to their bytes.

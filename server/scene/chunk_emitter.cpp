@@ -10,10 +10,12 @@
 namespace farfield {
 namespace {
 
-constexpr int kUvBits = 18;         // uv grid 2⁻¹⁸: 1/64 texel of the largest texture
+constexpr int kUvBits = 18;              // uv grid 2⁻¹⁸: 1/64 texel of the largest texture
 constexpr double kExactFloat = 1 << 24;  // integers up to here are floats
 
-bool is_finite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+bool is_finite(const glm::dvec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
 
 glm::dmat3 cofactor(const glm::dmat3& m) {
   return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
@@ -96,7 +98,8 @@ bool ChunkEmitter::add_triangle(const TriangleItem& item) {
   return true;
 }
 
-// Textures repeat, so whole repeats are taken off each chunk; what remains is rounded to a grid that floats hold exactly.
+// Textures repeat, so whole repeats are taken off each chunk; what remains is rounded to a grid that floats hold
+// exactly.
 void ChunkEmitter::snap_uvs() {
   glm::dvec2 low(corners_.front().uv), high = low;
   for (const Corner& corner : corners_) {

@@ -72,7 +72,7 @@ class ChunkEmitter {
   StoredMesh& out_;
   std::size_t normal_source_ = static_cast<std::size_t>(-1);  // the source normal_from_mesh_ belongs to
   glm::dmat3 normal_from_mesh_{1};
-  std::vector<Corner> corners_;    // three per triangle
+  std::vector<Corner> corners_;  // three per triangle
   std::vector<Corner> unique_;
   std::array<std::uint16_t, 2048> table_{};  // open addressing: index into unique_ plus one
 };

@@ -21,8 +21,9 @@ class ChunkIndex {
   std::vector<std::uint32_t> find(const Box& box) const;
 
  private:
-  std::vector<std::uint32_t> order_;        // Morton rank → index given to the constructor
-  std::vector<std::vector<Box>> levels_;    // levels_[0][rank] are the boxes, levels_[k+1][i] covers levels_[k][8i … 8i+7]
+  std::vector<std::uint32_t> order_;  // Morton rank → index given to the constructor
+  std::vector<std::vector<Box>>
+      levels_;  // levels_[0][rank] are the boxes, levels_[k+1][i] covers levels_[k][8i … 8i+7]
 };
 
 }  // namespace farfield

@@ -79,7 +79,8 @@ PlacedChunks place_chunks(std::span<const StoredMesh> meshes, std::span<ScenePar
       placed.stored_chunk = result.first_of_mesh[parts[p].mesh] + static_cast<std::uint32_t>(c);
     });
     Box bounds;
-    for (std::size_t c = 0; c < mesh.chunks.size(); ++c) bounds.include(result.chunks[result.first_of_part[p] + c].bounds);
+    for (std::size_t c = 0; c < mesh.chunks.size(); ++c)
+      bounds.include(result.chunks[result.first_of_part[p] + c].bounds);
     parts[p].bounds = bounds;
   });
   return result;

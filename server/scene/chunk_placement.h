@@ -11,9 +11,9 @@
 namespace farfield {
 
 struct PlacedChunks {
-  std::vector<SceneChunk> chunks;                 // part by part, in the order of the part's mesh
-  std::vector<std::uint32_t> first_of_part;       // index of each part's first chunk
-  std::vector<std::uint32_t> first_of_mesh;       // stored-chunk number of each mesh's first chunk
+  std::vector<SceneChunk> chunks;            // part by part, in the order of the part's mesh
+  std::vector<std::uint32_t> first_of_part;  // index of each part's first chunk
+  std::vector<std::uint32_t> first_of_mesh;  // stored-chunk number of each mesh's first chunk
 };
 
 /// Also fills `parts[i].bounds`. Every placement is measured triangle by triangle, so cones and bounds hold for any

@@ -66,7 +66,8 @@ LinearImage halved(const LinearImage& source) {
     for (int x = 0; x < out.width; ++x) {
       glm::vec4 sum{0};
       for (int j = 0; j < rows.count; ++j) {
-        const glm::vec4* row = &source.texels[static_cast<std::size_t>(rows.first + j) * static_cast<std::size_t>(source.width)];
+        const glm::vec4* row =
+            &source.texels[static_cast<std::size_t>(rows.first + j) * static_cast<std::size_t>(source.width)];
         for (int i = 0; i < columns[x].count; ++i)
           sum += row[columns[x].first + i] * (rows.share[j] * columns[x].share[i]);
       }
@@ -82,7 +83,8 @@ constexpr int kAlphaBins = 1024;
 std::vector<std::size_t> alpha_histogram(const LinearImage& image) {
   std::vector<std::size_t> histogram(kAlphaBins + 1, 0);
   for (const glm::vec4& t : image.texels)
-    ++histogram[static_cast<std::size_t>(std::clamp((t.w - kHoleWeight) * kAlphaBins, 0.0f, static_cast<float>(kAlphaBins)))];
+    ++histogram[static_cast<std::size_t>(
+        std::clamp((t.w - kHoleWeight) * kAlphaBins, 0.0f, static_cast<float>(kAlphaBins)))];
   return histogram;
 }
 

@@ -18,9 +18,9 @@ struct MipLevel {
 };
 
 struct MipOptions {
-  bool keeps_alpha = false;    // false: alpha is ignored and becomes opaque
-  float alpha_cutoff = 0.5f;   // with keeps_alpha: every level lets the same share of rays through as level 0
-  int largest_edge = 4096;     // larger images start at the first halving that fits
+  bool keeps_alpha = false;   // false: alpha is ignored and becomes opaque
+  float alpha_cutoff = 0.5f;  // with keeps_alpha: every level lets the same share of rays through as level 0
+  int largest_edge = 4096;    // larger images start at the first halving that fits
 };
 
 /// Requires: width, height >= 1 and rgba of that size. Parallel over TBB.

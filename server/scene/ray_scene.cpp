@@ -88,8 +88,8 @@ void copy_rays(const RayPacket& rays, RTCRay16& out, int valid[kPacketSize]) {
 struct RayScene::State {
   std::unique_ptr<ErrorLog> errors = std::make_unique<ErrorLog>();
   DeviceHandle device;
-  std::vector<AlphaMask> masks;           // one per stored mesh, never moved once Embree knows them
-  std::vector<SceneHandle> mesh_scenes;   // of instanced meshes, empty otherwise
+  std::vector<AlphaMask> masks;          // one per stored mesh, never moved once Embree knows them
+  std::vector<SceneHandle> mesh_scenes;  // of instanced meshes, empty otherwise
   SceneHandle top;
   std::vector<glm::mat3> scene_normal_from_mesh;  // per part: cofactor matrix, so normals keep twice the area as length
   std::uint32_t first_instance = 0;
@@ -137,7 +137,8 @@ Result<RayScene> RayScene::build(std::span<const StoredMesh> meshes, std::span<c
   State& state = *result.state_;
   state.device.reset(rtcNewDevice(nullptr));
   if (!state.device)
-    return fail(ErrorCode::kInternal, "Embree: cannot make a device (error {})", static_cast<int>(rtcGetDeviceError(nullptr)));
+    return fail(ErrorCode::kInternal, "Embree: cannot make a device (error {})",
+                static_cast<int>(rtcGetDeviceError(nullptr)));
   rtcSetDeviceErrorFunction(state.device.get(), ErrorLog::record, state.errors.get());
   for (const StoredMesh& mesh : meshes) state.masks.push_back({&mesh, &textures});
   state.mesh_scenes.resize(meshes.size());
@@ -165,7 +166,8 @@ Result<RayScene> RayScene::build(std::span<const StoredMesh> meshes, std::span<c
   }
   rtcJoinCommitScene(state.top.get());
   if (!state.errors->first.empty())
-    return fail(ErrorCode::kInternal, "Embree: {} (out of memory? a smaller scene or more memory helps)", state.errors->first);
+    return fail(ErrorCode::kInternal, "Embree: {} (out of memory? a smaller scene or more memory helps)",
+                state.errors->first);
   return result;
 }
 
@@ -216,7 +218,9 @@ std::uint32_t RayScene::occluded(const RayPacket& rays) const {
   std::uint32_t result = 0;
   for (int lane = 0; lane < kPacketSize; ++lane)
     // Embree marks an occluded ray with tfar = -infinity.
-    result |= static_cast<std::uint32_t>(valid[lane] != 0 && packet.tfar[lane] < 0.0f && rays.far[lane] != packet.tfar[lane]) << lane;
+    result |=
+        static_cast<std::uint32_t>(valid[lane] != 0 && packet.tfar[lane] < 0.0f && rays.far[lane] != packet.tfar[lane])
+        << lane;
   return result;
 }
 

@@ -54,8 +54,8 @@ Result<std::shared_ptr<const Scene>> Scene::build(Model model) {
 
   for (const StoredMeshPlan& mesh_plan : plan->meshes) {
     const int texture = mesh_plan.surface.texture;
-    Result<StoredMesh> mesh = build_stored_mesh(
-        mesh_plan, texture < 0 ? 0 : state.textures.hash(static_cast<std::uint32_t>(texture)));
+    Result<StoredMesh> mesh =
+        build_stored_mesh(mesh_plan, texture < 0 ? 0 : state.textures.hash(static_cast<std::uint32_t>(texture)));
     if (!mesh) return fail_within(state.name, std::move(mesh).error());
     state.meshes.push_back(std::move(*mesh));
   }
@@ -63,7 +63,8 @@ Result<std::shared_ptr<const Scene>> Scene::build(Model model) {
     state.parts.push_back({part.mesh, part.scene_from_mesh, {}});
     const glm::mat3 m(part.scene_from_mesh);
     state.light_from_mesh.push_back(glm::mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])));
-    if (part.scene_from_mesh == glm::mat4x3(1) && state.flattened_parts + 1 == state.parts.size()) ++state.flattened_parts;
+    if (part.scene_from_mesh == glm::mat4x3(1) && state.flattened_parts + 1 == state.parts.size())
+      ++state.flattened_parts;
   }
   state.statistics.materials = model.materials.size();
   // The plan points into the model; neither is needed any longer, and Embree is about to need the memory.

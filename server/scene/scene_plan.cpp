@@ -37,7 +37,8 @@ Status check_model(const Model& model, std::size_t material_count) {
   for (std::size_t i = 0; i < model.textures.size(); ++i) {
     const TextureImage& texture = model.textures[i];
     if (texture.width < 1 || texture.height < 1 ||
-        texture.rgba.size() != std::size_t{4} * static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height))
+        texture.rgba.size() !=
+            std::size_t{4} * static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height))
       return fail(ErrorCode::kBadData, "texture {} ('{}'): {} bytes are not {}×{} texels", i, texture.name,
                   texture.rgba.size(), texture.width, texture.height);
   }
@@ -53,7 +54,9 @@ Status check_model(const Model& model, std::size_t material_count) {
   return {};
 }
 
-bool is_finite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+bool is_finite(const glm::dvec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
 
 Box transformed_bounds(const Mesh& mesh, const glm::dmat3& linear, const glm::dvec3& offset) {
   return tbb::parallel_reduce(
@@ -89,7 +92,9 @@ Box world_bounds(const Model& model) {
       });
 }
 
-glm::dvec3 snapped(const glm::dvec3& p, double step) { return glm::round(p / step) * step; }
+glm::dvec3 snapped(const glm::dvec3& p, double step) {
+  return glm::round(p / step) * step;
+}
 
 }  // namespace
 
@@ -154,14 +159,17 @@ Result<ScenePlan> plan_scene(const Model& model) {
       const double step = mesh_step(mesh_bounds);
       centre_of[index] = snapped(mesh_bounds.center(), step);
       stored_of[index] = static_cast<std::int64_t>(plan.meshes.size());
-      plan.meshes.push_back({surface_of(material), step, {{&mesh, material.base_colour, glm::dmat3(1), -centre_of[index]}}});
+      plan.meshes.push_back(
+          {surface_of(material), step, {{&mesh, material.base_colour, glm::dmat3(1), -centre_of[index]}}});
     }
     const glm::dmat3 linear(instance->world_from_mesh);
-    const glm::dvec3 offset = linear * centre_of[index] +
-                              snapped(glm::dvec3(instance->world_from_mesh[3]) - plan.frame.origin, plan.frame.step_m / 8);
+    const glm::dvec3 offset =
+        linear * centre_of[index] +
+        snapped(glm::dvec3(instance->world_from_mesh[3]) - plan.frame.origin, plan.frame.step_m / 8);
     if (!is_finite(offset)) continue;
-    plan.parts.push_back({static_cast<std::uint32_t>(stored_of[index]),
-                          glm::mat4x3(glm::vec3(linear[0]), glm::vec3(linear[1]), glm::vec3(linear[2]), glm::vec3(offset))});
+    plan.parts.push_back(
+        {static_cast<std::uint32_t>(stored_of[index]),
+         glm::mat4x3(glm::vec3(linear[0]), glm::vec3(linear[1]), glm::vec3(linear[2]), glm::vec3(offset))});
   }
   return plan;
 }

@@ -24,20 +24,20 @@ struct SurfaceState {
 
 /// One mesh of the model on its way into a stored mesh.
 struct MeshSource {
-  const Mesh* mesh = nullptr;        // belongs to the model
+  const Mesh* mesh = nullptr;  // belongs to the model
   glm::u8vec4 base_colour{255};
-  glm::dmat3 linear{1};              // stored position = linear · position + offset
+  glm::dmat3 linear{1};  // stored position = linear · position + offset
   glm::dvec3 offset{0};
 };
 
 struct StoredMeshPlan {
   SurfaceState surface;
-  double step = 1;                   // position grid
+  double step = 1;  // position grid
   std::vector<MeshSource> sources;
 };
 
 struct PartPlan {
-  std::uint32_t mesh = 0;            // index into ScenePlan::meshes
+  std::uint32_t mesh = 0;  // index into ScenePlan::meshes
   glm::mat4x3 scene_from_mesh{1};
 };
 

@@ -27,15 +27,15 @@ struct Scene::State {
 
   TextureSet textures;
   std::vector<TextureInfo> texture_infos;
-  std::vector<StoredMesh> meshes;         // complete before `rays` is built over them
+  std::vector<StoredMesh> meshes;  // complete before `rays` is built over them
   std::vector<ScenePart> parts;
-  std::size_t flattened_parts = 0;        // parts before this one have the identity transform
-  std::vector<glm::mat3> light_from_mesh; // per part: inverse transpose up to a factor, for normals
+  std::size_t flattened_parts = 0;         // parts before this one have the identity transform
+  std::vector<glm::mat3> light_from_mesh;  // per part: inverse transpose up to a factor, for normals
   PlacedChunks placed;
   ChunkIndex index;
   std::vector<std::uint32_t> mesh_of_stored_chunk;
   mutable EncodedCache encoded{kEncodedCacheBytes};
-  RayScene rays;                          // last: destroyed before what it points to
+  RayScene rays;  // last: destroyed before what it points to
 
   ContentHash texture_hash(const StoredMesh& mesh) const {
     return mesh.surface.texture < 0 ? 0 : textures.hash(static_cast<std::uint32_t>(mesh.surface.texture));

@@ -67,7 +67,8 @@ void append(std::vector<T>& all, std::size_t at, std::vector<T>& block) {
 }
 
 StoredMesh join(std::vector<StoredMesh>& blocks, const SurfaceState& surface) {
-  std::vector<std::size_t> vertex_at(blocks.size() + 1, 0), triangle_at(blocks.size() + 1, 0), chunk_at(blocks.size() + 1, 0);
+  std::vector<std::size_t> vertex_at(blocks.size() + 1, 0), triangle_at(blocks.size() + 1, 0),
+      chunk_at(blocks.size() + 1, 0);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     vertex_at[b + 1] = vertex_at[b] + blocks[b].positions.size();
     triangle_at[b + 1] = triangle_at[b] + blocks[b].indices.size() / 3;
@@ -108,14 +109,16 @@ Result<StoredMesh> build_stored_mesh(const StoredMeshPlan& plan, ContentHash tex
   const TriangleSources sources(plan.sources);
   // Emission duplicates vertices at chunk borders, but never makes more than three per triangle.
   if (3 * sources.triangle_count() > std::numeric_limits<std::uint32_t>::max())
-    return fail(ErrorCode::kLimitExceeded, "{} triangles share one texture; at most {} fit one mesh: split the material",
-                sources.triangle_count(), std::numeric_limits<std::uint32_t>::max() / 3);
+    return fail(ErrorCode::kLimitExceeded,
+                "{} triangles share one texture; at most {} fit one mesh: split the material", sources.triangle_count(),
+                std::numeric_limits<std::uint32_t>::max() / 3);
   Gathered gathered = gather(plan, sources);
   const std::span<TriangleItem> items = gathered.items;
   std::vector<std::uint32_t> ends;
   std::size_t class_begin = 0;
   for (const std::size_t class_end : gathered.class_ends) {
-    for (const std::uint32_t end : cluster_triangles(items.subspan(class_begin, class_end - class_begin), kMaxChunkTriangles))
+    for (const std::uint32_t end :
+         cluster_triangles(items.subspan(class_begin, class_end - class_begin), kMaxChunkTriangles))
       ends.push_back(static_cast<std::uint32_t>(class_begin + end));
     class_begin = class_end;
   }

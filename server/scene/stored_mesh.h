@@ -20,7 +20,7 @@ namespace farfield {
 struct StoredChunk {
   std::uint32_t first_triangle = 0, triangle_count = 0;
   std::uint32_t first_vertex = 0, vertex_count = 0;
-  glm::vec3 origin{0};      // mesh axes, on the position grid: ChunkVertex positions are relative to it
+  glm::vec3 origin{0};  // mesh axes, on the position grid: ChunkVertex positions are relative to it
   ContentHash hash = 0;
 };
 
@@ -32,9 +32,9 @@ struct VertexSurface {
 
 struct StoredMesh {
   SurfaceState surface;
-  std::vector<glm::vec3> positions;     // one more than there are vertices: Embree loads 16 bytes at a time
+  std::vector<glm::vec3> positions;  // one more than there are vertices: Embree loads 16 bytes at a time
   std::vector<VertexSurface> surfaces;
-  std::vector<glm::vec2> uvs;           // empty without a texture
+  std::vector<glm::vec2> uvs;  // empty without a texture
   std::vector<std::uint32_t> indices;
   std::vector<StoredChunk> chunks;
   std::vector<std::uint32_t> chunk_at_block;  // the chunk that holds triangle 64·i

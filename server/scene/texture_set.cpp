@@ -2,7 +2,7 @@
 #include "server/scene/texture_set.h"
 
 #ifdef __SSE4_1__
-#include <immintrin.h>
+#  include <immintrin.h>
 #endif
 
 #include <algorithm>
@@ -21,7 +21,8 @@ typedef float F32x4 __attribute__((vector_size(16)));
 
 constexpr float kLinearScale = 65535.0f;
 
-// Four channels at once. GCC 12 takes __builtin_convertvector of 16-bit lanes apart, so it is spelt out where it can be.
+// Four channels at once. GCC 12 takes __builtin_convertvector of 16-bit lanes apart, so it is spelt out where it can
+// be.
 F32x4 to_floats(const void* texel) {
 #ifdef __SSE4_1__
   return F32x4(_mm_cvtepi32_ps(_mm_cvtepu16_epi32(_mm_loadl_epi64(static_cast<const __m128i*>(texel)))));
@@ -72,12 +73,14 @@ std::uint32_t TextureSet::add(const TextureImage& image, const MipOptions& optio
   Texture texture;
   const std::vector<MipLevel> chain = build_mip_chain(image, options);
   std::array<std::uint16_t, 256> wide;
-  for (std::size_t code = 0; code < 256; ++code) wide[code] = static_cast<std::uint16_t>(std::lround(linear_[code] * kLinearScale));
+  for (std::size_t code = 0; code < 256; ++code)
+    wide[code] = static_cast<std::uint16_t>(std::lround(linear_[code] * kLinearScale));
   for (const MipLevel& from : chain) {
     Level& level = texture.levels.emplace_back(Level{from.width, from.height, {}});
     level.texels.reserve(from.texels.size());
     for (const std::uint32_t t : from.texels)
-      level.texels.push_back({wide[t & 255], wide[t >> 8 & 255], wide[t >> 16 & 255], static_cast<std::uint16_t>((t >> 24) * 257)});
+      level.texels.push_back(
+          {wide[t & 255], wide[t >> 8 & 255], wide[t >> 16 & 255], static_cast<std::uint16_t>((t >> 24) * 257)});
   }
   // Of the first level and its size: the other levels follow from it, but for the cutoff, which scales their alpha.
   const MipLevel& first = chain.front();

@@ -17,8 +17,8 @@
 namespace farfield {
 namespace {
 
-constexpr int kEdge = 1514;                // samples along a face's edge: 720p at 60 degrees
-constexpr int kBlock = 4;                  // a packet is a block of 4 × 4 samples: compact, so coherent
+constexpr int kEdge = 1514;  // samples along a face's edge: 720p at 60 degrees
+constexpr int kBlock = 4;    // a packet is a block of 4 × 4 samples: compact, so coherent
 constexpr int kBlocks = (kEdge + kBlock - 1) / kBlock;
 
 Model bench_model() {
@@ -96,9 +96,15 @@ void cube_map(benchmark::State& state, Work work) {
   state.counters["hits"] = static_cast<double>(hit_count) / rays;
 }
 
-void scene_cube_map_rays_only(benchmark::State& state) { cube_map(state, Work::kRays); }
-void scene_cube_map_cast(benchmark::State& state) { cube_map(state, Work::kCast); }
-void scene_cube_map_cast_and_shade(benchmark::State& state) { cube_map(state, Work::kCastAndShade); }
+void scene_cube_map_rays_only(benchmark::State& state) {
+  cube_map(state, Work::kRays);
+}
+void scene_cube_map_cast(benchmark::State& state) {
+  cube_map(state, Work::kCast);
+}
+void scene_cube_map_cast_and_shade(benchmark::State& state) {
+  cube_map(state, Work::kCastAndShade);
+}
 BENCHMARK(scene_cube_map_rays_only)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(scene_cube_map_cast)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(scene_cube_map_cast_and_shade)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();

@@ -21,7 +21,9 @@ Chunk patch(int rows, float scale, bool has_uv, bool is_coloured, unsigned seed 
   for (int y = 0; y <= rows; ++y)
     for (int x = 0; x <= rows; ++x) {
       ChunkVertex vertex;
-      vertex.position = glm::vec3(static_cast<float>(x - rows / 2), static_cast<float>(random() % 1000) * 1e-3f, static_cast<float>(y - rows / 2)) * scale;
+      vertex.position = glm::vec3(static_cast<float>(x - rows / 2), static_cast<float>(random() % 1000) * 1e-3f,
+                                  static_cast<float>(y - rows / 2)) *
+                        scale;
       vertex.position = glm::round(vertex.position / step) * step;
       vertex.normal = encode_normal(glm::normalize(glm::vec3(static_cast<float>(random() % 100) * 0.01f, 1, 0.1f)));
       vertex.uv = has_uv ? glm::vec2(static_cast<float>(x), static_cast<float>(y)) / 16.0f : glm::vec2(0);
@@ -108,7 +110,8 @@ TEST(ChunkCodec, AnyBytesGiveAValueWithinTheLimitsOrAnError) {
     ++accepted;
     ASSERT_LE(decoded->indices.size(), 3u * kMaxChunkTriangles);
     for (const std::uint16_t index : decoded->indices) ASSERT_LT(index, decoded->vertices.size());
-    for (const ChunkVertex& v : decoded->vertices) ASSERT_TRUE(std::isfinite(v.position.x + v.position.y + v.position.z));
+    for (const ChunkVertex& v : decoded->vertices)
+      ASSERT_TRUE(std::isfinite(v.position.x + v.position.y + v.position.z));
   }
   EXPECT_LT(accepted, 20000);
 }

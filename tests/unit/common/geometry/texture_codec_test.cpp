@@ -47,7 +47,8 @@ TEST(TextureCodec, KeepsTheHeaderTheAlphaAndNearlyTheColour) {
 }
 
 TEST(TextureCodec, AnyTruncationIsAnError) {
-  for (const TextureLevel& level : {picture(32, 32, true), picture(32, 20, false), picture(8, 8, false), picture(8, 8, true)}) {
+  for (const TextureLevel& level :
+       {picture(32, 32, true), picture(32, 20, false), picture(8, 8, false), picture(8, 8, true)}) {
     const Bytes bytes = encode_texture_level(level);
     for (std::size_t size = 0; size < bytes.size(); ++size)
       EXPECT_FALSE(decode_texture_level(ByteView(bytes).first(size))) << size << " of " << bytes.size();

@@ -25,7 +25,8 @@ std::array<float, 9> canonical(const Corners& t) {
   for (int first = 0; first < 3; ++first) {
     std::array<float, 9> rotated;
     for (int k = 0; k < 3; ++k)
-      for (int a = 0; a < 3; ++a) rotated[static_cast<std::size_t>(3 * k + a)] = t[static_cast<std::size_t>((first + k) % 3)][a];
+      for (int a = 0; a < 3; ++a)
+        rotated[static_cast<std::size_t>(3 * k + a)] = t[static_cast<std::size_t>((first + k) % 3)][a];
     if (first == 0 || rotated < best) best = rotated;
   }
   return best;
@@ -60,7 +61,8 @@ TEST(Chunks, HoldEveryTriangleOnce) {
     for (std::size_t i = 0; i < chunk.indices.size(); i += 3) {
       Corners t;
       for (std::size_t k = 0; k < 3; ++k)
-        t[k] = glm::vec3(scene->chunks()[c].scene_from_chunk * glm::dvec4(chunk.vertices[chunk.indices[i + k]].position, 1));
+        t[k] = glm::vec3(scene->chunks()[c].scene_from_chunk *
+                         glm::dvec4(chunk.vertices[chunk.indices[i + k]].position, 1));
       found.insert(canonical(t));
     }
   }
@@ -143,7 +145,8 @@ TEST(Chunks, FoundByBoxAsByLookingAtAll) {
   for (int round = 0; round < 200; ++round) {
     Box box;
     for (int k = 0; k < 2; ++k)
-      box.include(scene->bounds().min + glm::dvec3(unit(random), unit(random), unit(random)) * scene->bounds().extent());
+      box.include(scene->bounds().min +
+                  glm::dvec3(unit(random), unit(random), unit(random)) * scene->bounds().extent());
     std::vector<std::uint32_t> wanted;
     for (std::uint32_t c = 0; c < scene->chunks().size(); ++c)
       if (scene->chunks()[c].bounds.intersects(box)) wanted.push_back(c);

@@ -155,16 +155,19 @@ TEST(Intersect, InstancesEqualTheirFlattenedCopies) {
 // 2.4 in 1,000 rays aimed at the very vertices of a fine sphere slip through. Along edges none may.
 TEST(Intersect, NoRayLeavesAClosedSphereOrBox) {
   Mesh box;
-  const glm::vec3 c[8] = {{-3, -3, -3}, {3, -3, -3}, {-3, 3, -3}, {3, 3, -3}, {-3, -3, 3}, {3, -3, 3}, {-3, 3, 3}, {3, 3, 3}};
+  const glm::vec3 c[8] = {{-3, -3, -3}, {3, -3, -3}, {-3, 3, -3}, {3, 3, -3},
+                          {-3, -3, 3},  {3, -3, 3},  {-3, 3, 3},  {3, 3, 3}};
   box.positions.assign(c, c + 8);
-  box.indices = {0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
+  box.indices = {0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
   for (const Mesh& mesh : {sphere(40), box}) {
     const auto scene = build(model_of(mesh));
     const Scene& s = *scene;
     const glm::vec3 centre(s.bounds().center());
     Random random(2);
     std::size_t leaks = 0, rays_cast = 0, vertex_leaks = 0, vertex_rays = 0;
-    const auto fire = [&](const glm::vec3& eye, std::size_t& leak_count, std::size_t& ray_count, const auto& target_of) {
+    const auto fire = [&](const glm::vec3& eye, std::size_t& leak_count, std::size_t& ray_count,
+                          const auto& target_of) {
       RayPacket rays = packet_from(eye);
       for (int i = 0; i < kPacketSize; ++i) aim(rays, i, target_of(i) - eye);
       HitPacket hits;
@@ -198,7 +201,8 @@ TEST(Intersect, AlphaMaskLetsRaysThroughItsHoles) {
   Model model = model_of(square());
   TextureImage image{4, 4, std::vector<std::uint8_t>(64, 255), "mask"};
   for (int y = 0; y < 4; ++y)
-    for (int x = 0; x < 2; ++x) image.rgba[static_cast<std::size_t>(4 * (4 * y + x) + 3)] = 0;  // the left half is a hole
+    for (int x = 0; x < 2; ++x)
+      image.rgba[static_cast<std::size_t>(4 * (4 * y + x) + 3)] = 0;  // the left half is a hole
   model.textures.push_back(image);
   model.materials[0].texture = 0;
   model.materials[0].is_alpha_masked = true;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scene frame: where its zero lies, what moving the world changes, and what broken models give.
+#include "server/scene/scene_frame.h"
+
 #include <gtest/gtest.h>
 
-#include "server/scene/scene_frame.h"
 #include "tests/unit/server/scene/scene_models.h"
 
 namespace farfield {

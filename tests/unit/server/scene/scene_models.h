@@ -36,7 +36,8 @@ inline Mesh sphere(int rings) {
   for (int r = 0; r <= rings; ++r)
     for (int s = 0; s < segments; ++s) {
       const double polar = M_PI * r / rings, around = 2 * M_PI * s / segments;
-      mesh.positions.emplace_back(std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around));
+      mesh.positions.emplace_back(std::sin(polar) * std::cos(around), std::cos(polar),
+                                  std::sin(polar) * std::sin(around));
       if (r == 0 || r == rings) mesh.positions.back() = glm::vec3(0, r == 0 ? 1 : -1, 0);
       mesh.normals.push_back(glm::normalize(mesh.positions.back()));
     }

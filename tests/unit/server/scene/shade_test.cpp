@@ -14,7 +14,8 @@ using namespace test;
 TextureImage checkerboard(int width, int height) {
   TextureImage image{width, height, {}, "checkerboard"};
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) image.rgba.insert(image.rgba.end(), 3, (x + y) % 2 ? 255 : 0), image.rgba.push_back(255);
+    for (int x = 0; x < width; ++x)
+      image.rgba.insert(image.rgba.end(), 3, (x + y) % 2 ? 255 : 0), image.rgba.push_back(255);
   return image;
 }
 
@@ -88,8 +89,10 @@ TEST(Shade, FootprintChoosesTheMipLevel) {
   EXPECT_NEAR(contrast(1, 0.9f / 64, straight), 1.0f, 1e-3f) << "less than a texel: level 0";
   EXPECT_NEAR(contrast(1, std::sqrt(2.0f) / 64, straight), 0.5f * (1 + grey), 5e-3f) << "two texels' area: level 1/2";
   EXPECT_NEAR(contrast(1, 2.0f / 64, straight), grey, 5e-3f) << "four texels' area: level 1";
-  EXPECT_NEAR(contrast(0.5f, 2.0f * std::sqrt(2.0f) / 64, straight), 0.5f * (1 + grey), 5e-3f) << "footprints grow with distance";
-  EXPECT_NEAR(contrast(1, std::sqrt(2.0f) / 64, 0.25f * straight), contrast(0.25f, std::sqrt(2.0f) / 64, straight), 1e-4f)
+  EXPECT_NEAR(contrast(0.5f, 2.0f * std::sqrt(2.0f) / 64, straight), 0.5f * (1 + grey), 5e-3f)
+      << "footprints grow with distance";
+  EXPECT_NEAR(contrast(1, std::sqrt(2.0f) / 64, 0.25f * straight), contrast(0.25f, std::sqrt(2.0f) / 64, straight),
+              1e-4f)
       << "the length of the direction does not matter";
   const glm::vec3 inclined = glm::normalize(glm::vec3(0, std::sqrt(3.0f), -1));  // cosine 1/2
   EXPECT_NEAR(contrast(0.1f, 10.0f / 64, inclined), 0.5f * (1 + grey), 5e-3f) << "inclination widens footprints";
@@ -180,7 +183,8 @@ TEST(TextureSet, GivesBackTheVeryCodesItWasMadeFrom) {
   TextureImage image{256, 2, {}, "all codes"};
   for (int i = 0; i < 512; ++i) {
     const auto code = static_cast<std::uint8_t>(i);
-    image.rgba.insert(image.rgba.end(), {code, static_cast<std::uint8_t>(255 - i), static_cast<std::uint8_t>(i * 7), code});
+    image.rgba.insert(image.rgba.end(),
+                      {code, static_cast<std::uint8_t>(255 - i), static_cast<std::uint8_t>(i * 7), code});
   }
   TextureSet set;
   set.add(image, {true, 0.5f, 4096});
