@@ -116,7 +116,9 @@ void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Fram
   report.times.read_back_ms = lap();
   frame.statistics = {};
   resolve_gl_frame({display.width, display.height, colour, depth, near_plane},
-                   {leaf.background, leaf.background_visible}, frame);
+                   {leaf.background,
+                    {leaf.background_visible ? leaf.sky : DirectionMask(), glm::dmat3(glm::mat3_cast(eye.world_from_camera)), display}},
+                   frame);
   frame.statistics.triangles_drawn = report.impostors.triangles;
   frame.statistics.tiles_drawn = report.impostors.tiles_drawn;
   report.times.resolve_ms = lap();

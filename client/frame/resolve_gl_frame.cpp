@@ -71,7 +71,7 @@ void resolve_gl_frame(const GlImage& image, const GlResolveOptions& options, Fra
   frame.coverage.resize(frame.pixels());
   const std::vector<PartialPixel> partial = classify(image, options, frame);
   close_mesh_cracks(frame);
-  fill_voids(frame, options.background_visible, options.void_radius);
+  fill_voids(frame, options.sky, options.void_radius);
   for (const PartialPixel& pixel : partial) mix_partial(image, pixel, frame);
 
   const auto count = [&](Coverage c) {

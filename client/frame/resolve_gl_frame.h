@@ -7,6 +7,7 @@
 #include <span>
 
 #include "client/warp/frame_image.h"
+#include "common/impostor/direction_mask.h"
 
 namespace farfield::client {
 
@@ -19,7 +20,7 @@ struct GlImage {
 
 struct GlResolveOptions {
   glm::u8vec3 background{0};            // sRGB
-  bool background_visible = true;
+  SkyTest sky;                          // where a pixel that nothing covers may be sky
   int void_radius = 8;                  // pixels within which surfaces enclose a void
 };
 

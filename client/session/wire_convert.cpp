@@ -79,6 +79,7 @@ Result<LeafSet> to_leaf_set(const wire::LeafSet& message) {
   set.is_current = message.is_current();
   set.is_fallback = message.is_fallback();
   set.background_visible = message.background_visible();
+  set.sky = DirectionMask::from_bytes({reinterpret_cast<const std::uint8_t*>(message.sky().data()), message.sky().size()});
   set.near_triangles = message.near_triangles();
   set.tiles.assign(message.tiles().begin(), message.tiles().end());
   set.chunks.reserve(static_cast<std::size_t>(message.chunks_size()));

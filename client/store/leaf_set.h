@@ -6,6 +6,7 @@
 #include <glm/mat4x3.hpp>
 #include <vector>
 
+#include "common/impostor/direction_mask.h"
 #include "common/base/hash.h"
 #include "common/cells/cell_id.h"
 
@@ -31,6 +32,7 @@ struct LeafSet {
   bool is_current = false;         // false: prefetched
   bool is_fallback = false;
   bool background_visible = true;
+  DirectionMask sky = DirectionMask::all();
   std::uint32_t near_triangles = 0;
   std::vector<ContentHash> tiles;  // in order of use: nearest shell first
   std::vector<LeafSetChunk> chunks;

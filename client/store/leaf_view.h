@@ -9,6 +9,7 @@
 #include "common/cells/cell_id.h"
 #include "common/geometry/chunk.h"
 #include "common/impostor/depth_mesh.h"
+#include "common/impostor/direction_mask.h"
 #include "common/impostor/splats.h"
 #include "common/impostor/tile.h"
 
@@ -53,6 +54,7 @@ struct LeafView {
   bool is_fallback = false;        // the fallback view: near_region is the cell's own box
   bool is_complete = false;
   bool background_visible = true;  // false: a pixel nothing covers is a void, never sky
+  DirectionMask sky = DirectionMask::all();  // and where else it may be sky
   glm::u8vec3 background{0};       // sRGB
   std::vector<std::shared_ptr<const DecodedTile>> tiles;
   std::vector<PlacedChunk> chunks;

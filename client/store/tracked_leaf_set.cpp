@@ -51,6 +51,7 @@ std::shared_ptr<const LeafView> TrackedLeafSet::view(const PayloadStore& store, 
   view->is_fallback = set_.is_fallback;
   view->is_complete = is_complete();
   view->background_visible = set_.background_visible;
+  view->sky = set_.sky;
   view->background = frame.background;
   view->tiles.reserve(set_.tiles.size());
   for (const ContentHash key : set_.tiles) {

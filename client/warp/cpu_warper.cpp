@@ -19,7 +19,7 @@ namespace farfield::client {
 namespace {
 
 /// A band's keys take at most this much of a core's second-level cache.
-constexpr std::size_t kBandBytes = 512 * 1024;
+constexpr std::size_t kBandBytes = 1024 * 1024;
 /// How far a void looks for surfaces, in pixels of the display.
 constexpr int kVoidRadius = 8;
 
@@ -124,9 +124,10 @@ void CpuWarper::State::draw(const LeafView& leaf, const Pose& eye, const Display
     cracks += counts.crack_pixels;
     uncovered += counts.uncovered_pixels;
   });
+  const SkyTest sky{leaf.background_visible ? leaf.sky : DirectionMask(), glm::dmat3(glm::mat3_cast(eye.world_from_camera)), display};
   const int radius = options.samples_per_pixel == 4 ? 2 * kVoidRadius : kVoidRadius;
   frame.statistics.crack_pixels = cracks;
-  frame.statistics.void_pixels = uncovered > 0 ? fill_voids(frame, leaf.background_visible, radius) : 0;
+  frame.statistics.void_pixels = uncovered > 0 ? fill_voids(frame, sky, radius) : 0;
   frame.statistics.background_pixels = uncovered - frame.statistics.void_pixels;
 }
 

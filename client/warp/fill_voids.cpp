@@ -57,11 +57,10 @@ class Occupancy {
 
 constexpr std::size_t kNone = ~std::size_t{0};
 
-/// Looks from (x, y) in eight directions. Returns: the pixel whose surface fills it, or kNone for the sky.
-std::size_t find_source(const Frame& frame, int x, int y, int radius, bool background_visible) {
+/// Looks from (x, y) in eight directions. Returns: the pixel whose surface fills it, or kNone if there is none so near.
+std::size_t find_source(const Frame& frame, int x, int y, int radius) {
   constexpr std::array<std::array<int, 2>, 4> kDirections{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
   std::size_t farthest = kNone, farthest_near = kNone;
-  bool is_enclosed = false;
   const auto look = [&](int dx, int dy) {
     int i = x, j = y;
     for (int step = 1; step <= radius; ++step) {
@@ -74,18 +73,14 @@ std::size_t find_source(const Frame& frame, int x, int y, int radius, bool backg
     return kNone;
   };
   const auto consider = [&](std::size_t at) {
-    if (at == kNone) return false;
-    const bool is_near = frame.coverage[at] == Coverage::kNear;
-    std::size_t& best = is_near ? farthest_near : farthest;
+    if (at == kNone) return;
+    std::size_t& best = frame.coverage[at] == Coverage::kNear ? farthest_near : farthest;
     if (best == kNone || frame.disparity[at] < frame.disparity[best]) best = at;
-    return !is_near;
   };
   for (const auto& [dx, dy] : kDirections) {
-    const std::size_t ahead = look(dx, dy), behind = look(-dx, -dy);
-    const bool impostor_ahead = consider(ahead), impostor_behind = consider(behind);
-    is_enclosed |= ahead != kNone && behind != kNone && (impostor_ahead || impostor_behind);
+    consider(look(dx, dy));
+    consider(look(-dx, -dy));
   }
-  if (background_visible && !is_enclosed) return kNone;
   return farthest != kNone ? farthest : farthest_near;
 }
 
@@ -95,9 +90,9 @@ void copy_pixel(Frame& frame, const Filling& filling) {
   frame.coverage[filling.pixel] = Coverage::kVoidFilled;
 }
 
-/// Fills all that is left, however far from any surface: along each row from whichever end is farther away, and rows
-/// without any surface from the row above, or below. A frame with nothing in it keeps its colour.
-std::uint64_t fill_rest(Frame& frame) {
+/// Fills all that is left and cannot be sky, however far from any surface: along each row from whichever end is farther
+/// away, and rows without any surface from the row above, or below. A frame with nothing in it keeps its colour.
+std::uint64_t fill_rest(Frame& frame, const SkyTest& sky) {
   std::uint64_t filled = 0;
   const auto width = static_cast<std::size_t>(frame.width);
   std::vector<std::uint8_t> has_surface(frame.height, 0);
@@ -105,14 +100,15 @@ std::uint64_t fill_rest(Frame& frame) {
     const std::size_t begin = y * width, end = begin + width;
     std::size_t left = kNone;
     for (std::size_t at = begin; at < end;) {
-      if (is_covered(frame.coverage[at])) {
-        left = at++;
+      if (is_covered(frame.coverage[at]) || sky.may_be_sky(static_cast<int>(at - begin), y)) {
+        if (is_covered(frame.coverage[at])) left = at;
+        ++at;
         continue;
       }
       std::size_t right = at;
-      while (right < end && !is_covered(frame.coverage[right])) ++right;
+      while (right < end && !is_covered(frame.coverage[right]) && !sky.may_be_sky(static_cast<int>(right - begin), y)) ++right;
       std::size_t source = left;
-      if (right < end && (left == kNone || frame.disparity[right] < frame.disparity[left])) source = right;
+      if (right < end && is_covered(frame.coverage[right]) && (left == kNone || frame.disparity[right] < frame.disparity[left])) source = right;
       filled += right - at;
       for (; at < right; ++at) {
         if (source != kNone) {
@@ -123,10 +119,12 @@ std::uint64_t fill_rest(Frame& frame) {
       }
       if (source != kNone) left = at - 1;
     }
-    has_surface[y] = left != kNone;
+    has_surface[y] = left != kNone || std::none_of(frame.coverage.begin() + begin, frame.coverage.begin() + end,
+                                                   [](Coverage c) { return c == Coverage::kVoidFilled; });
   }
   const auto copy_row = [&](int to, int from) {
-    for (std::size_t x = 0; x < width; ++x) copy_pixel(frame, {to * width + x, from * width + x});
+    for (std::size_t x = 0; x < width; ++x)
+      if (frame.coverage[to * width + x] == Coverage::kVoidFilled) copy_pixel(frame, {to * width + x, from * width + x});
     has_surface[to] = 1;
   };
   for (int y = 1; y < frame.height; ++y) {
@@ -140,7 +138,7 @@ std::uint64_t fill_rest(Frame& frame) {
 
 }  // namespace
 
-std::uint64_t fill_voids(Frame& frame, bool background_visible, int radius) {
+std::uint64_t fill_voids(Frame& frame, const SkyTest& sky, int radius) {
   const Occupancy occupancy(frame, radius);
   std::vector<std::vector<Filling>> fillings(occupancy.rows());
   std::vector<std::uint8_t> has_rest(occupancy.rows(), 0);
@@ -154,8 +152,8 @@ std::uint64_t fill_voids(Frame& frame, bool background_visible, int radius) {
       for (int y = row * radius; y < std::min((row + 1) * radius, frame.height); ++y) {
         for (int x = column * radius; x < std::min((column + 1) * radius, frame.width); ++x) {
           const std::size_t at = static_cast<std::size_t>(y) * frame.width + x;
-          if (is_covered(frame.coverage[at])) continue;
-          const std::size_t source = find_source(frame, x, y, radius, background_visible);
+          if (is_covered(frame.coverage[at]) || sky.may_be_sky(x, y)) continue;
+          const std::size_t source = find_source(frame, x, y, radius);
           if (source != kNone) {
             fillings[row].push_back({at, source});
           } else {
@@ -172,7 +170,7 @@ std::uint64_t fill_voids(Frame& frame, bool background_visible, int radius) {
     for (const Filling& filling : list) copy_pixel(frame, filling);
   }
   const bool any_rest = std::find(has_rest.begin(), has_rest.end(), 1) != has_rest.end();
-  if (!background_visible && any_rest) filled += fill_rest(frame);
+  if (any_rest) filled += fill_rest(frame, sky);
   return filled;
 }
 

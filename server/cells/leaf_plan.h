@@ -10,6 +10,7 @@
 
 #include "common/base/result.h"
 #include "common/cells/cell_id.h"
+#include "common/impostor/direction_mask.h"
 #include "common/impostor/tile_id.h"
 
 namespace farfield {
@@ -27,7 +28,8 @@ struct LeafPlan {
   std::vector<std::uint32_t> chunks;    // indices into Scene::chunks(), sorted by ascending distance
   std::uint32_t near_triangles = 0;     // of those chunks
   bool exceeds_budget = false;          // at the finest side and still above the geometry budget
-  bool background_visible = false;      // some ray from the leaf escapes the scene
+  bool background_visible = false;      // some ray from the leaf escapes the scene …
+  DirectionMask sky;                    // … in these directions
   double seconds = 0;                   // thread seconds spent on visibility
 };
 

@@ -134,6 +134,7 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
   plan->near_triangles = static_cast<std::uint32_t>(seen.near_triangles);
   plan->exceeds_budget = seen.near_triangles > settings_.near_triangles;
   plan->background_visible = seen.escapes;
+  plan->sky = seen.sky;
   plan->fallback_tiles = fallback_tiles(leaf, settings_);
 
   std::vector<std::unique_ptr<ShellNeeds>> shells(plan->root.level + 1);

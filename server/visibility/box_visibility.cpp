@@ -27,6 +27,7 @@ BoxVisibility probe_visibility(const Scene& scene, const Box& viewpoints, const 
                   for (int lane = 0; lane < kPacketSize; ++lane) {
                     if (hits.part[lane] == kNoHit) {
                       result.escapes = true;
+                      result.sky.insert({rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]});
                       continue;
                     }
                     const glm::dvec3 point = hit_point(rays, hits, lane);

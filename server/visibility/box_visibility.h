@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/impostor/direction_mask.h"
 #include "server/visibility/visible_chunks.h"
 
 namespace farfield {
@@ -21,7 +22,8 @@ struct BoxVisibility {
   std::size_t near_triangles = 0;
   std::vector<FarHit> far_hits;
   std::size_t viewpoints = 0;
-  bool escapes = false;                    // some ray leaves the scene: the background is visible
+  bool escapes = false;                    // some ray leaves the scene: the background is visible …
+  DirectionMask sky;                       // … in these directions
   bool is_cut_short = false;               // stopped: near_triangles passed `enough_triangles`, or cancelled
 };
 

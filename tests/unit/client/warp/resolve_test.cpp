@@ -112,11 +112,14 @@ void columns(Frame& frame, int from, int to, Coverage c, float disparity, std::u
   }
 }
 
+SkyTest no_sky() { return {DirectionMask(), glm::dmat3(1), Display{kSize, kSize, 1.0}}; }
+SkyTest sky_everywhere() { return {DirectionMask::all(), glm::dmat3(1), Display{kSize, kSize, 1.0}}; }
+
 TEST(FillVoids, TakesTheFarthestNeighbour) {
   Frame frame = uncovered_frame();
   columns(frame, 0, 10, Coverage::kNear, 0.9f, 100);
   columns(frame, 14, kSize, Coverage::kImpostor, 0.2f, 50);
-  EXPECT_EQ(fill_voids(frame, true, 8), 4u * kSize);
+  EXPECT_EQ(fill_voids(frame, no_sky(), 8), 4u * kSize);
   for (int x = 10; x < 14; ++x) {
     EXPECT_EQ(frame.coverage[at(x, 5)], Coverage::kVoidFilled);
     EXPECT_EQ(frame.rgba[4 * at(x, 5)], 50);
@@ -124,26 +127,36 @@ TEST(FillVoids, TakesTheFarthestNeighbour) {
   }
 }
 
-TEST(FillVoids, OpenSkyAndSkyBetweenNearBarsStaySky) {
+TEST(FillVoids, WhereTheBackgroundCanBeSeenItStays) {
   Frame frame = uncovered_frame();
   columns(frame, 0, 4, Coverage::kImpostor, 0.2f, 50);
-  EXPECT_EQ(fill_voids(frame, true, 8), 0u);
-  Frame bars = uncovered_frame();
-  for (int x = 0; x < kSize; x += 6) columns(bars, x, x + 2, Coverage::kNear, 0.9f, 100);
-  EXPECT_EQ(fill_voids(bars, true, 8), 0u);
-  EXPECT_EQ(bars.rgba[4 * at(3, 3)], 9);
+  EXPECT_EQ(fill_voids(frame, sky_everywhere(), 8), 0u);
+  EXPECT_EQ(frame.rgba[4 * at(30, 3)], 9);
+}
+
+TEST(FillVoids, TheMaskDecidesByDirection) {
+  SkyTest sky = no_sky();
+  for (int y = 0; y < kSize; ++y)  // the right half of the image
+    for (int x = kSize / 2; x < kSize; ++x) sky.mask.insert(camera_direction(sky.display, x + 0.5, y + 0.5));
+  Frame frame = uncovered_frame();
+  columns(frame, 0, 4, Coverage::kImpostor, 0.2f, 50);
+  fill_voids(frame, sky, 8);
+  EXPECT_EQ(frame.coverage[at(8, 5)], Coverage::kVoidFilled);
+  EXPECT_EQ(frame.rgba[4 * at(8, 5)], 50);
+  EXPECT_EQ(frame.coverage[at(kSize - 2, 5)], Coverage::kBackground);
+  EXPECT_EQ(frame.rgba[4 * at(kSize - 2, 5)], 9);
 }
 
 TEST(FillVoids, WithoutSkyEverythingIsFilled) {
   Frame frame = uncovered_frame();
   set(frame, 2, 20, Coverage::kImpostor, 0.2f, 50);
-  EXPECT_EQ(fill_voids(frame, false, 4), frame.pixels() - 1);
+  EXPECT_EQ(fill_voids(frame, no_sky(), 4), frame.pixels() - 1);
   for (std::size_t k = 0; k < frame.pixels(); ++k) {
     ASSERT_NE(frame.coverage[k], Coverage::kBackground);
     ASSERT_EQ(frame.rgba[4 * k], 50);
   }
   Frame empty = uncovered_frame();
-  EXPECT_EQ(fill_voids(empty, false, 4), empty.pixels());
+  EXPECT_EQ(fill_voids(empty, no_sky(), 4), empty.pixels());
   EXPECT_EQ(empty.rgba[4 * at(3, 3)], 9);
 }
 

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// A coarse set of directions: one bit for each of 32×32 squares of each cube face. It tells a client where the
+// background can be seen from a leaf, so that a void elsewhere is never filled with the sky.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "common/base/bytes.h"
+#include "common/math/camera.h"
+#include "common/math/cube_face.h"
+
+namespace farfield {
+
+class DirectionMask {
+ public:
+  static constexpr int kEdge = 32;
+  static constexpr std::size_t kBytes = kCubeFaces * kEdge * kEdge / 8;
+
+  static DirectionMask all() {
+    DirectionMask mask;
+    mask.bits_.fill(0xff);
+    return mask;
+  }
+  /// Returns: the mask of these bytes; all directions if there are not exactly kBytes.
+  static DirectionMask from_bytes(ByteView bytes) {
+    if (bytes.size() != kBytes) return all();
+    DirectionMask mask;
+    std::copy(bytes.begin(), bytes.end(), mask.bits_.begin());
+    return mask;
+  }
+  ByteView bytes() const { return bits_; }
+
+  void insert(const glm::dvec3& direction) {
+    const int bit = bit_of(direction);
+    bits_[bit / 8] |= static_cast<std::uint8_t>(1u << (bit % 8));
+  }
+  bool contains(const glm::dvec3& direction) const {
+    const int bit = bit_of(direction);
+    return bits_[bit / 8] >> (bit % 8) & 1;
+  }
+
+ private:
+  static int bit_of(const glm::dvec3& direction) {
+    const int face = dominant_face(direction);
+    const CubeFace frame = CubeFace::of(face);
+    const double scale = 1.0 / std::abs(direction[frame.axis]);
+    const auto place = [](double t) { return std::clamp(static_cast<int>((t + 1) * 0.5 * kEdge), 0, kEdge - 1); };
+    return (face * kEdge + place(direction[frame.v_axis()] * scale)) * kEdge + place(direction[frame.u_axis()] * scale);
+  }
+  std::array<std::uint8_t, kBytes> bits_{};
+};
+
+/// Whether a pixel that nothing covers may show the background.
+struct SkyTest {
+  DirectionMask mask;
+  glm::dmat3 world_from_camera{1};
+  Display display;
+
+  bool may_be_sky(int x, int y) const { return mask.contains(world_from_camera * camera_direction(display, x + 0.5, y + 0.5)); }
+};
+
+}  // namespace farfield
