@@ -140,7 +140,12 @@ void add_module(const Module& m) {
   m.builder.begin_module({kWidth * m.i, 0, kPitch * m.k});
   RandomStream style(m.seed, 51, m.k);
   const Paint& carpet = style.pick(m.paints.carpets);
-  add_level_quad(m, m.paints.grass, {0, kWing}, {kWidth, kPitch}, -0.03f, true);
+  if (m.is_passage()) {  // the courtyard on both sides of it
+    add_level_quad(m, m.paints.grass, {0, kWing}, {kPassageLeft - kInner, kPitch}, 0, true);
+    add_level_quad(m, m.paints.grass, {kPassageRight + kInner, kWing}, {kWidth, kPitch}, 0, true);
+  } else {
+    add_level_quad(m, m.paints.grass, {0, kWing}, {kWidth, kPitch}, 0, true);
+  }
   for (int level = 0; level < kFloors; ++level) {
     const float y = kStorey * static_cast<float>(level);
     RandomStream random(m.seed, 52, m.i, m.k, level);
@@ -171,6 +176,11 @@ void close_ends(const Module& m, const std::set<std::pair<int, int>>& built) {
     const float y = kStorey * static_cast<float>(level);
     if (!is_built(m.i - 1, m.k)) wall(m, brick, plaster, Frame::at({0, y, 0}, -0.5f * kHalfTurn), kWing, kStorey, kOuter, {window});
     if (!is_built(m.i + 1, m.k)) wall(m, plaster, brick, Frame::at({kWidth + kOuter, y, 0}, -0.5f * kHalfTurn), kWing, kStorey, kOuter, {window});
+    if (level == 0) {  // garden walls at the courtyard's ends
+      constexpr float kGardenWall = 2.4f;
+      if (!is_built(m.i - 1, m.k)) wall(m, brick, brick, Frame::at({0, y, kWing}, -0.5f * kHalfTurn), kPitch - kWing, kGardenWall, kOuter, {});
+      if (!is_built(m.i + 1, m.k)) wall(m, brick, brick, Frame::at({kWidth + kOuter, y, kWing}, -0.5f * kHalfTurn), kPitch - kWing, kGardenWall, kOuter, {});
+    }
     if (!m.is_passage()) continue;
     const float width = kPassageRight - kPassageLeft;
     if (!is_built(m.i, m.k - 1)) wall(m, plaster, brick, Frame::at({kPassageLeft, y, -0.1f}), width, kStorey, 0.1f, {{0.4f, 1.7f, 0.9f, 2.35f}});
@@ -197,7 +207,7 @@ Model generate_house(std::size_t triangles, std::uint64_t seed) {
     close_ends({builder, paints, seed, i, k}, built);
   }
   builder.begin_module({kWidth, 0, 0});  // flower boxes in the first courtyard
-  fill_with_boxes(builder, paints.coloured({150, 112, 72, 255}), {0.3f, -0.03f, kWing + 1.0f}, {kWidth - 0.3f, -0.03f, kPitch - 0.5f}, seed);
+  fill_with_boxes(builder, paints.coloured({150, 112, 72, 255}), {0.3f, 0.0f, kWing + 1.0f}, {kWidth - 0.3f, 0.0f, kPitch - 0.5f}, seed);
   return builder.finish();
 }
 

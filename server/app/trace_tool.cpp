@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/trace_tool.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <vector>
+
+#include "common/trace/trace_file.h"
+#include "server/app/trace_map.h"
+
+namespace farfield {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr const char* kFooter = R"(Examples:
+  farfield-trace generate pipes:1000000:1 --kind walk --seconds 30 -o walk.txt
+  farfield-trace generate delft.city.json --kind fly --speed 12 --seed 3 -o flight.txt
+  farfield-trace show walk.txt
+  farfield-trace show walk.txt --scene pipes:1000000:1 --svg walk.svg
+
+A trace is text: one line "t x y z qx qy qz qw" per frame, seconds and metres, world coordinates.
+Exit codes: 0 done, 1 failed, 2 wrong usage.)";
+
+Result<std::shared_ptr<const Scene>> load_scene(const std::string& argument, const LoadOptions& options) {
+  Result<Model> model = load_model(argument, options);
+  if (!model) return tl::unexpected(model.error());
+  return Scene::build(std::move(*model));
+}
+
+nlohmann::json as_json(const TraceSummary& s, const Trace& trace, const std::filesystem::path& file) {
+  const auto array = [](const glm::dvec3& v) { return nlohmann::json::array({v.x, v.y, v.z}); };
+  return {{"file", file.string()}, {"scene", trace.scene}, {"frames", s.frames}, {"seconds", s.seconds}, {"length_m", s.length_m},
+          {"speed_mean_m_s", s.speed_mean_m_s}, {"speed_p95_m_s", s.speed_p95_m_s}, {"turn_p95_deg_s", s.turn_p95_rad_s * kDegrees},
+          {"bounds_min", array(s.bounds.min)}, {"bounds_max", array(s.bounds.max)}};
+}
+
+std::string as_text(const TraceSummary& s, const Trace& trace, const std::filesystem::path& file) {
+  const glm::dvec3 &low = s.bounds.min, &high = s.bounds.max;
+  return fmt::format("trace      {}\nscene      {}\nframes     {}\nseconds    {:.3f}\nlength     {:.6g} m\n"
+                     "speed      {:.4g} m/s mean, {:.4g} m/s p95\nturning    {:.1f} deg/s p95\n"
+                     "bounds     ({:.3f} {:.3f} {:.3f}) .. ({:.3f} {:.3f} {:.3f}) m\n",
+                     file.string(), trace.scene.empty() ? "(not named)" : trace.scene, s.frames, s.seconds, s.length_m, s.speed_mean_m_s,
+                     s.speed_p95_m_s, s.turn_p95_rad_s * kDegrees, low.x, low.y, low.z, high.x, high.y, high.z);
+}
+
+// Options of both subcommands that say how the scene's file is read.
+struct LoadArguments {
+  LoadOptions load;
+  std::vector<double> shift;
+
+  void add_to(CLI::App& command) {
+    command.add_option("--units", load.metres_per_unit, "Metres per unit of the scene's file (default 1)")->check(CLI::PositiveNumber);
+    command.add_option("--up", load.up, "Axis that points up in the scene's file")->check(CLI::IsMember({"x", "y", "z"}));
+    command.add_option("--shift", shift, "Metres added to every position, as X,Y,Z")->delimiter(',')->expected(3);
+  }
+  LoadOptions options() const {
+    LoadOptions result = load;
+    if (shift.size() == 3) result.shift = {shift[0], shift[1], shift[2]};
+    return result;
+  }
+};
+
+CLI::App* add_generate(CLI::App& app, TraceGenerateOptions& options, std::string& kind, LoadArguments& load) {
+  CLI::App* command = app.add_subcommand("generate", "Make a smooth camera path that touches nothing");
+  command->add_option("SCENE", options.scene, "Model file or KIND:TRIANGLES:SEED")->required();
+  command->add_option("--kind", kind, "walk (eyes 1.7 m above the floor), fly or orbit")->check(CLI::IsMember({"walk", "fly", "orbit"}))->capture_default_str();
+  command->add_option("--speed", options.trace.speed_m_s, "Metres per second (default: walk 1.4, fly 4, orbit one turn)")->check(CLI::NonNegativeNumber);
+  command->add_option("--seconds", options.trace.seconds, "Duration")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--seed", options.trace.seed, "Another seed, another path")->capture_default_str();
+  command->add_option("--fps", options.trace.frames_per_second, "Frames per second")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("-o,--output", options.output, "File to write")->required();
+  command->add_flag("--json", options.is_json, "Report as JSON");
+  load.add_to(*command);
+  return command;
+}
+
+CLI::App* add_show(CLI::App& app, TraceShowOptions& options, LoadArguments& load) {
+  CLI::App* command = app.add_subcommand("show", "Report a trace in numbers and draw it from above");
+  command->add_option("FILE", options.file, "Trace file")->required();
+  command->add_option("--scene", options.scene, "Scene to draw it in: model file or KIND:TRIANGLES:SEED");
+  command->add_option("--svg", options.svg, "Also write the drawing as SVG");
+  command->add_flag("--json", options.is_json, "Report as JSON, without the drawing");
+  load.add_to(*command);
+  return command;
+}
+
+}  // namespace
+
+Status run_trace_generate(const TraceGenerateOptions& options, std::ostream& out, std::ostream& talk) {
+  const Result<std::shared_ptr<const Scene>> scene = load_scene(options.scene, options.load);
+  if (!scene) return tl::unexpected(scene.error());
+  std::string note;
+  Result<Trace> trace = generate_trace(**scene, options.trace, &note);
+  if (!trace) return tl::unexpected(trace.error());
+  if (!note.empty()) talk << "farfield-trace: " << note << '\n';
+  trace->scene = options.scene;
+  if (const Status status = write_trace(options.output, *trace); !status) return status;
+  const TraceSummary summary = summarise(*trace);
+  out << (options.is_json ? as_json(summary, *trace, options.output).dump(2) + '\n' : as_text(summary, *trace, options.output)) << std::flush;
+  if (!out) return fail(ErrorCode::kIo, "the report cannot be written to the output");
+  return {};
+}
+
+Status run_trace_show(const TraceShowOptions& options, std::ostream& out) {
+  const Result<Trace> trace = read_trace(options.file);
+  if (!trace) return tl::unexpected(trace.error());
+  std::shared_ptr<const Scene> scene;
+  if (!options.scene.empty()) {
+    Result<std::shared_ptr<const Scene>> loaded = load_scene(options.scene, options.load);
+    if (!loaded) return tl::unexpected(loaded.error());
+    scene = std::move(*loaded);
+  }
+  const TraceSummary summary = summarise(*trace);
+  if (options.is_json) {
+    out << as_json(summary, *trace, options.file).dump(2) << '\n';
+  } else {
+    out << as_text(summary, *trace, options.file) << '\n' << text_map(*trace, scene.get());
+  }
+  out.flush();
+  if (!out) return fail(ErrorCode::kIo, "the report cannot be written to the output");
+  if (!options.svg.empty()) {
+    std::ofstream file(options.svg, std::ios::binary);
+    file << svg_map(*trace, scene.get());
+    file.close();
+    if (!file) return fail(ErrorCode::kIo, "{}: cannot be written", options.svg.string());
+  }
+  return {};
+}
+
+int run_trace_tool(int argument_count, const char* const* arguments) {
+  CLI::App app{"Camera traces: make paths through scenes that touch nothing, and look at recorded ones.", "farfield-trace"};
+  app.footer(kFooter);
+  app.set_version_flag("--version", "farfield-trace " FARFIELD_VERSION);
+  app.require_subcommand(1);
+  TraceGenerateOptions generate;
+  TraceShowOptions show;
+  LoadArguments generate_load, show_load;
+  std::string kind = "walk";
+  const CLI::App* generate_command = add_generate(app, generate, kind, generate_load);
+  add_show(app, show, show_load);
+  try {
+    app.parse(argument_count, arguments);
+  } catch (const CLI::ParseError& error) {
+    constexpr int kUsageExit = 2;
+    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : kUsageExit;
+  }
+  generate.trace.kind = *trace_kind_of(kind);
+  generate.load = generate_load.options();
+  show.load = show_load.options();
+  const Status status = generate_command->parsed() ? run_trace_generate(generate, std::cout, std::cerr) : run_trace_show(show, std::cout);
+  if (status) return 0;
+  std::cerr << "farfield-trace: " << status.error().message << '\n';
+  return status.error().code == ErrorCode::kInvalidArgument ? 2 : 1;
+}
+
+}  // namespace farfield
