@@ -137,22 +137,6 @@ void drop_bad_instances(Model& model, Losses& losses) {
 
 }  // namespace
 
-void drop_empty_meshes(Model& model) {
-  std::vector<bool> is_used(model.meshes.size(), false);
-  for (const MeshInstance& instance : model.instances) is_used[static_cast<std::size_t>(instance.mesh)] = true;
-  std::vector<int> new_of_old(model.meshes.size(), -1);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < model.meshes.size(); ++i) {
-    if (!is_used[i] || model.meshes[i].indices.empty()) continue;
-    new_of_old[i] = static_cast<int>(kept);
-    if (kept != i) model.meshes[kept] = std::move(model.meshes[i]);
-    ++kept;
-  }
-  model.meshes.resize(kept);
-  std::erase_if(model.instances, [&](const MeshInstance& i) { return new_of_old[static_cast<std::size_t>(i.mesh)] < 0; });
-  for (MeshInstance& instance : model.instances) instance.mesh = new_of_old[static_cast<std::size_t>(instance.mesh)];
-}
-
 void clean_model(Model& model) {
   Losses losses;
   for (Mesh& mesh : model.meshes) {

@@ -17,6 +17,9 @@ void clean_model(Model& model);
 /// Removes meshes without triangles and their instances.
 void drop_empty_meshes(Model& model);
 
+/// Removes materials no mesh has and textures no material has.
+void drop_unused_materials(Model& model);
+
 /// Joins vertices whose every attribute is bit for bit the same. Readers of unindexed formats call this.
 void weld_vertices(Mesh& mesh);
 

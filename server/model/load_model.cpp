@@ -80,6 +80,7 @@ Result<Model> load_model(const std::string& scene_argument, const LoadOptions& o
   settle_transparency(model);
   const bool is_all_clear = had_triangles && model.drawn_triangles() == 0;
   clean_model(model);
+  drop_unused_materials(model);
   if (model.drawn_triangles() == 0) {
     const std::string why = is_all_clear ? "every triangle is see-through" : had_triangles ? "every triangle is broken" : "the file holds no triangles";
     const std::string detail = model.warnings.empty() ? "" : " (" + model.warnings.back() + ")";

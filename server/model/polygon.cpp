@@ -52,13 +52,14 @@ bool is_same_place(const glm::dvec2& a, const glm::dvec2& b) { return a.x == b.x
 /// Clips ears off one counter-clockwise ring, held as a doubly linked list over ring positions.
 class EarClipper {
  public:
-  EarClipper(const Projection& flat, std::span<const std::uint32_t> ring) : flat_(flat), ring_(ring) {
+  /// Without holes only reflex corners can lie in an ear; twins at bridges make that true of any corner.
+  EarClipper(const Projection& flat, std::span<const std::uint32_t> ring, bool has_bridges) : flat_(flat), ring_(ring), has_bridges_(has_bridges) {
     const auto count = static_cast<std::uint32_t>(ring.size());
-    next_.resize(count), previous_.resize(count), is_reflex_.resize(count);
+    next_.resize(count), previous_.resize(count), may_block_.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) next_[i] = (i + 1) % count, previous_[i] = (i + count - 1) % count;
     for (std::uint32_t i = 0; i < count; ++i) {
-      is_reflex_[i] = corner(i) <= 0;
-      if (is_reflex_[i]) reflex_.push_back(i);
+      may_block_[i] = has_bridges || corner(i) <= 0;
+      if (may_block_[i]) blockers_.push_back(i);
     }
   }
 
@@ -86,15 +87,21 @@ class EarClipper {
 
   bool is_ear(std::uint32_t i) const {
     if (corner(i) <= 0) return false;
-    const glm::dvec2 &a = point(previous_[i]), &b = point(i), &c = point(next_[i]);
-    for (const std::uint32_t r : reflex_) {
-      if (!is_reflex_[r] || r == previous_[i] || r == i || r == next_[i]) continue;
-      const glm::dvec2& p = point(r);
-      // A bridge to a hole visits its two ends twice: the twin of a corner does not block that corner.
-      if (is_same_place(p, a) || is_same_place(p, b) || is_same_place(p, c)) continue;
-      if (is_inside(p, a, b, c)) return false;
+    for (const std::uint32_t r : blockers_) {
+      if (!may_block_[r] || r == previous_[i] || r == i || r == next_[i]) continue;
+      if (blocks(r, point(previous_[i]), point(i), point(next_[i]))) return false;
     }
     return true;
+  }
+
+  /// Whether corner r keeps abc from being an ear. A bridge visits its two ends twice, so r may be the twin of one of
+  /// the three; then it matters only where the ring goes from there.
+  bool blocks(std::uint32_t r, const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) const {
+    const glm::dvec2& p = point(r);
+    if (is_same_place(p, a) || is_same_place(p, c)) return false;
+    if (!is_same_place(p, b)) return is_inside(p, a, b, c);
+    const auto leads_between = [&](const glm::dvec2& q) { return turn(a, b, q) > 0 && turn(b, c, q) > 0; };
+    return leads_between(point(previous_[r])) || leads_between(point(next_[r]));
   }
 
   std::uint32_t most_convex(std::uint32_t at, std::uint32_t left) const {
@@ -114,17 +121,25 @@ class EarClipper {
     emit(i, triangles);
     const std::uint32_t p = previous_[i], n = next_[i];
     next_[p] = n, previous_[n] = p;
-    is_reflex_[i] = false;
-    for (const std::uint32_t k : {p, n}) is_reflex_[k] = is_reflex_[k] && corner(k) <= 0;
+    may_block_[i] = false;
+    for (const std::uint32_t k : {p, n}) may_block_[k] = may_block_[k] && (has_bridges_ || corner(k) <= 0);
     return next_[n];
   }
 
   const Projection& flat_;
   std::span<const std::uint32_t> ring_;
   std::vector<std::uint32_t> next_, previous_;
-  std::vector<char> is_reflex_;      // a corner that became convex stays convex
-  std::vector<std::uint32_t> reflex_;
+  bool has_bridges_;
+  std::vector<char> may_block_;  // by ring position; a corner that became convex stays convex
+  std::vector<std::uint32_t> blockers_;
 };
+
+/// Whether the ring's inside, at this corner, lies towards p. Tells apart the twins that earlier bridges made.
+bool looks_towards(const Projection& flat, const std::vector<std::uint32_t>& ring, std::size_t i, const glm::dvec2& p) {
+  const glm::dvec2 &a = flat[ring[(i + ring.size() - 1) % ring.size()]], &v = flat[ring[i]], &b = flat[ring[(i + 1) % ring.size()]];
+  if (turn(a, v, b) > 0) return turn(a, v, p) >= 0 && turn(v, b, p) >= 0;
+  return turn(a, v, p) > 0 || turn(v, b, p) > 0;
+}
 
 /// Where in `ring` to bridge to `hole_point`, the hole's rightmost point (Eberly 1998 §5): the corner that a ray to
 /// the right meets, or the reflex corner inside the triangle before it that is nearest in angle.
@@ -143,14 +158,20 @@ std::optional<std::size_t> bridge_corner(const Projection& flat, const std::vect
   }
   if (!best) return std::nullopt;
   const glm::dvec2 hit{nearest, hole_point.y}, corner = flat[ring[*best]];
+  const bool is_corner_hit = is_same_place(hit, corner);
   double smallest_slope = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const glm::dvec2& p = flat[ring[i]];
-    if (p.x <= hole_point.x || is_same_place(p, corner)) continue;
+    if (p.x <= hole_point.x || !looks_towards(flat, ring, i, hole_point)) continue;
+    if (is_corner_hit) {
+      if (is_same_place(p, corner)) return i;  // of its twins the one that can be seen
+      continue;
+    }
     const bool is_in = corner.y < hole_point.y ? is_inside(p, hole_point, corner, hit) : is_inside(p, hole_point, hit, corner);
     if (!is_in) continue;
     const double slope = std::abs(p.y - hole_point.y) / (p.x - hole_point.x);
-    if (slope < smallest_slope) smallest_slope = slope, best = i;
+    // Corners in one line with the hole, as in rows of windows: the nearest one hides the others.
+    if (slope < smallest_slope || (slope == smallest_slope && p.x < flat[ring[*best]].x)) smallest_slope = slope, best = i;
   }
   return best;
 }
@@ -206,7 +227,7 @@ void triangulate_polygon_with_holes(std::span<const glm::dvec3> points,
   std::stable_sort(holes.begin(), holes.end(), [&](const auto& a, const auto& b) { return rightmost(a) > rightmost(b); });
   for (const std::vector<std::uint32_t>& hole : holes) join_hole(flat, ring, hole);
 
-  EarClipper(flat, ring).run(triangles);
+  EarClipper(flat, ring, ring.size() > rings[0].size()).run(triangles);
 }
 
 }  // namespace farfield

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/model/texture_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+// jpeglib.h needs FILE to be declared before it.
+#include <cstdio>
+#include <jpeglib.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "server/model/row_reducer.h"
+#include "temporary_folder.h"
+
+namespace farfield {
+namespace {
+
+TextureImage noise(int width, int height, bool has_alpha) {
+  std::mt19937 random(5);
+  TextureImage image{.width = width, .height = height};
+  for (int i = 0; i < width * height; ++i) {
+    for (int c = 0; c < 3; ++c) image.rgba.push_back(static_cast<std::uint8_t>(random()));
+    image.rgba.push_back(has_alpha ? static_cast<std::uint8_t>(random()) : 255);
+  }
+  return image;
+}
+
+Bytes jpeg_of(int width, int height, std::uint8_t level) {
+  jpeg_compress_struct info{};
+  jpeg_error_mgr errors{};
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* memory = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &memory, &size);
+  info.image_width = static_cast<JDIMENSION>(width), info.image_height = static_cast<JDIMENSION>(height);
+  info.input_components = 3, info.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&info);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<std::uint8_t> row(static_cast<std::size_t>(width) * 3, level);
+  JSAMPROW pointer = row.data();
+  for (int y = 0; y < height; ++y) jpeg_write_scanlines(&info, &pointer, 1);
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  Bytes bytes(memory, memory + size);
+  std::free(memory);
+  return bytes;
+}
+
+TEST(TextureFile, PngComesBackExactly) {
+  for (const bool has_alpha : {false, true}) {
+    const TextureImage image = noise(37, 11, has_alpha);
+    const Result<Bytes> png = encode_png(image);
+    ASSERT_TRUE(png);
+    const Result<TextureImage> back = decode_texture(*png);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->width, 37);
+    EXPECT_EQ(back->height, 11);
+    EXPECT_EQ(back->rgba, image.rgba);
+  }
+}
+
+TEST(TextureFile, ReadsJpeg) {
+  const Result<TextureImage> image = decode_texture(jpeg_of(33, 9, 100));
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->width, 33);
+  ASSERT_EQ(image->rgba.size(), 33u * 9 * 4);
+  EXPECT_NEAR(image->rgba[0], 100, 2);
+  EXPECT_EQ(image->rgba[3], 255);
+}
+
+TEST(TextureFile, EveryTruncationOfAPngIsAnError) {
+  const Bytes png = encode_png(noise(16, 16, true)).value();
+  for (std::size_t size = 0; size + 12 < png.size(); ++size) {  // the last 12 bytes only mark the end
+    EXPECT_FALSE(decode_texture(ByteView(png).first(size))) << size;
+  }
+}
+
+TEST(TextureFile, DamageNeverDoesHarm) {
+  std::mt19937 random(11);
+  for (const Bytes& original : {encode_png(noise(24, 24, true)).value(), jpeg_of(24, 24, 50)}) {
+    for (int round = 0; round < 500; ++round) {
+      Bytes damaged = original;
+      for (int k = 0; k < 4; ++k) damaged[random() % damaged.size()] = static_cast<std::uint8_t>(random());
+      const Result<TextureImage> image = decode_texture(damaged);
+      if (!image) continue;
+      EXPECT_LE(image->width, kMaxTextureFileEdge);
+      EXPECT_EQ(image->rgba.size(), std::size_t{4} * static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height));
+    }
+  }
+}
+
+TEST(TextureFile, AHeaderThatClaimsAGiantIsRefused) {
+  Bytes png = encode_png(noise(4, 4, false)).value();
+  png[16] = 0x7f;  // width 2^31 − …; the checksum is wrong as well, either is an error
+  EXPECT_FALSE(decode_texture(png));
+}
+
+TEST(TextureFile, LargeImagesAreHalvedWhileTheyAreRead) {
+  TextureImage wide{.width = kMaxTextureFileEdge + 2, .height = 2};
+  wide.rgba.assign(std::size_t{8} * static_cast<std::size_t>(wide.width), 200);
+  const Result<TextureImage> image = decode_texture(encode_png(wide).value());
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->width, kMaxTextureFileEdge / 2 + 1);
+  EXPECT_EQ(image->height, 1);
+  EXPECT_THAT(image->rgba, testing::Each(200));
+}
+
+TEST(TextureFile, AveragesInLinearLight) {
+  RowReducer reducer(3, 1, 2);  // a full pair and half a one
+  const std::uint8_t row[] = {0, 0, 0, 0, 255, 255, 255, 255, 7, 8, 9, 10};
+  reducer.add_row(row);
+  const TextureImage image = reducer.take();
+  EXPECT_EQ(image.rgba[0], 188) << "half the light of white is sRGB 188";
+  EXPECT_EQ(image.rgba[3], 128);
+  EXPECT_EQ(image.rgba[4], 7);
+}
+
+TEST(TextureFile, SaysWhatItCannotRead) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(read_texture_file(folder.write("a.tga", "nothing")).error().message, testing::HasSubstr("neither PNG nor JPEG"));
+  EXPECT_EQ(read_texture_file(folder.path() / "none.png").error().code, ErrorCode::kNotFound);
+  EXPECT_FALSE(encode_png(TextureImage{}));
+}
+
+}  // namespace
+}  // namespace farfield
