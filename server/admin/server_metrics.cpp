@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/admin/server_metrics.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace farfield {
+namespace {
+
+double number(const std::atomic<std::uint64_t>& counter) {
+  return static_cast<double>(counter.load(std::memory_order_relaxed));
+}
+double number(std::uint64_t value) { return static_cast<double>(value); }
+
+}  // namespace
+
+void write_metrics(PrometheusText& out, const SessionMetrics& m) {
+  out.gauge("farfield_sessions_open", "Sessions connected now.", static_cast<double>(m.open_sessions.load()));
+  out.counter("farfield_sessions_total", "Sessions welcomed.", number(m.sessions));
+  out.counter("farfield_sessions_resumed_total", "Of these, continued after a cut.", number(m.resumed_sessions));
+  out.counter("farfield_sessions_refused_total", "Connections sent away: full or draining.", number(m.refused_sessions));
+
+  out.counter("farfield_network_bytes_total", "Bytes on client sockets.", number(m.traffic->bytes_in), {"direction", "in"});
+  out.counter("farfield_network_bytes_total", "", number(m.traffic->bytes_out), {"direction", "out"});
+  out.counter("farfield_frames_total", "Frames on client sockets.", number(m.traffic->frames_in), {"direction", "in"});
+  out.counter("farfield_frames_total", "", number(m.traffic->frames_out), {"direction", "out"});
+  out.counter("farfield_frames_unknown_total", "Frames skipped: of a type this server does not know.", number(m.unknown_frames));
+  out.counter("farfield_frames_bad_total", "Frames refused: garbage, too large, out of place.", number(m.bad_frames));
+
+  out.counter("farfield_poses_total", "Poses received.", number(m.poses));
+  out.counter("farfield_poses_dropped_total", "Poses overtaken by a newer one above the announced rate.", number(m.poses_dropped));
+  out.counter("farfield_leaf_changes_deferred_total", "Leaf changes that waited: above the announced rate.", number(m.leaves_deferred));
+  out.counter("farfield_leaf_sets_total", "Leaf set manifests sent.", number(m.leaf_sets));
+  out.counter("farfield_leaf_sets_prefetched_total", "Of these, ahead of need.", number(m.leaf_sets_prefetched));
+  out.counter("farfield_leaf_sets_fallback_total", "Of these, fallback views.", number(m.leaf_sets_fallback));
+  out.counter("farfield_leaf_sets_reused_total", "Leaves entered whose manifest the client had.", number(m.leaf_sets_reused));
+  out.counter("farfield_leaf_sets_complete_total", "Leaf sets sent to their end.", number(m.leaf_sets_complete));
+
+  constexpr std::string_view kSent = "Payloads sent.";
+  out.counter("farfield_payloads_total", kSent, number(m.payloads_tile), {"kind", "tile"});
+  out.counter("farfield_payloads_total", kSent, number(m.payloads_empty_tile), {"kind", "empty_tile"});
+  out.counter("farfield_payloads_total", kSent, number(m.payloads_chunk), {"kind", "chunk"});
+  out.counter("farfield_payloads_total", kSent, number(m.payloads_texture), {"kind", "texture"});
+  out.counter("farfield_payload_bytes_total", "Encoded bytes of payloads sent.", number(m.payload_bytes));
+  out.counter("farfield_payloads_held_total", "Payloads of leaf sets not sent: the client held them.", number(m.payloads_held));
+  out.counter("farfield_payloads_stale_total", "Payloads withdrawn before they were sent.", number(m.payloads_stale));
+  out.counter("farfield_payloads_failed_total", "Payloads that could not be made when asked for.", number(m.payloads_failed));
+}
+
+void write_metrics(PrometheusText& out, std::span<const std::shared_ptr<MeasuredCellService>> services) {
+  std::vector<CellServiceStatistics> all;
+  for (const auto& service : services) all.push_back(service->statistics());
+  if (all.empty()) return;
+  const CellServiceStatistics& shared = all.front();
+  out.gauge("farfield_queue_jobs", "Jobs waiting.", number(shared.queue.queued));
+  out.gauge("farfield_queue_prefetch_jobs", "Of these, ahead of need.", number(shared.queue.queued_prefetch));
+  out.gauge("farfield_queue_oldest_wait_seconds", "How long the oldest waiting job has waited.", shared.queue.oldest_wait_s);
+  out.counter("farfield_queue_refused_total", "Jobs refused: the queue was full.", number(shared.queue.refused));
+  out.gauge("farfield_cast_threads", "Threads that make tiles.", shared.pool.threads);
+  out.gauge("farfield_cast_threads_busy", "Of these, inside a job now.", shared.pool.busy);
+  out.counter("farfield_cast_jobs_total", "Jobs finished.", number(shared.pool.jobs));
+  out.counter("farfield_cast_jobs_failed_total", "Jobs that let an exception escape.", number(shared.pool.failed));
+  out.counter("farfield_cast_busy_seconds_total", "Thread seconds inside jobs.", shared.pool.busy_seconds);
+  out.gauge("farfield_store_bytes", "Encoded tiles in memory.", number(shared.store.bytes), {"tier", "memory"});
+  out.gauge("farfield_store_capacity_bytes", "Bound of the above.", number(shared.store.capacity_bytes), {"tier", "memory"});
+  out.counter("farfield_store_hits_total", "Tiles found.", number(shared.store.hits), {"tier", "memory"});
+  out.counter("farfield_store_misses_total", "Tiles not found.", number(shared.store.misses), {"tier", "memory"});
+  out.counter("farfield_store_evictions_total", "Tiles forgotten for lack of room.", number(shared.store.evictions), {"tier", "memory"});
+
+  const auto per_scene = [&](auto write) {
+    for (std::size_t i = 0; i < all.size(); ++i) write(all[i], MetricLabel{"scene", services[i]->scene().name});
+  };
+  per_scene([&](const auto& s, MetricLabel scene) {
+    out.counter("farfield_tile_flights_total", "Tiles begun to be made.", number(s.tile_flights.begun), scene);
+  });
+  per_scene([&](const auto& s, MetricLabel scene) {
+    out.counter("farfield_tile_flights_shared_total", "Requests that joined work already under way.", number(s.tile_flights.shared), scene);
+  });
+  per_scene([&](const auto& s, MetricLabel scene) {
+    out.counter("farfield_tile_flights_cancelled_total", "Tiles given up: nobody wanted them any more.", number(s.tile_flights.cancelled), scene);
+  });
+  per_scene([&](const auto& s, MetricLabel scene) {
+    out.counter("farfield_leaf_plans_total", "Leaf plans begun to be made.", number(s.plan_flights.begun), scene);
+  });
+  per_scene([&](const auto& s, MetricLabel scene) {
+    out.histogram("farfield_tile_seconds", "Thread seconds per tile made.", s.tile_seconds, scene);
+  });
+}
+
+void write_process_metrics(PrometheusText& out) {
+  std::ifstream statm("/proc/self/statm");
+  std::uint64_t total_pages = 0, resident_pages = 0;
+  if (statm >> total_pages >> resident_pages) {
+    out.gauge("process_resident_memory_bytes", "Resident memory size in bytes.",
+              static_cast<double>(resident_pages) * static_cast<double>(sysconf(_SC_PAGESIZE)));
+  }
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) {
+    const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+    out.counter("process_cpu_seconds_total", "Total user and system CPU time spent in seconds.",
+                seconds(usage.ru_utime) + seconds(usage.ru_stime));
+  }
+}
+
+}  // namespace farfield

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a SCENE argument to a cell service: load, build, find a start, wire the stages together.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "server/model/load_model.h"
+#include "server/schedule/scheduled_cell_service.h"
+
+namespace farfield {
+
+/// NAME=SCENE or SCENE.
+struct SceneArgument {
+  std::string name;   // in the catalogue
+  std::string scene;  // what load_model() takes
+};
+/// A scene without a name is called by its file's stem, or as it is written if it is generated.
+/// Errors: kInvalidArgument.
+Result<SceneArgument> parse_scene_argument(const std::string& text);
+
+struct ServiceOptions {
+  LoadOptions load;
+  ImpostorSettings settings;
+  std::shared_ptr<TileStore> store;
+  std::shared_ptr<CastPool> pool;
+  std::function<void(const std::string&)> log;  // progress and warnings, one line each; may be empty
+};
+
+/// Loads and builds on the calling thread; seconds to minutes. Errors: as load_model() and Scene::build().
+Result<std::shared_ptr<MeasuredCellService>> build_service(const SceneArgument& argument, const ServiceOptions& options);
+
+}  // namespace farfield

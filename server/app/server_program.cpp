@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/app/server_program.h"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <asio/io_context.hpp>
+#include <asio/signal_set.hpp>
+#include <cstdlib>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <unordered_set>
+
+#include "server/admin/admin_server.h"
+#include "server/admin/server_metrics.h"
+#include "server/store/memory_tile_store.h"
+
+namespace farfield {
+namespace {
+
+constexpr std::chrono::seconds kDrainGrace{5};
+
+/// One line per event on stderr, as text or as JSON.
+class EventLog {
+ public:
+  explicit EventLog(bool is_json)
+      : is_json_(is_json), logger_("farfield-server", std::make_shared<spdlog::sinks::stderr_sink_mt>()) {
+    logger_.set_pattern(is_json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","message":%v})"
+                                : "%Y-%m-%d %H:%M:%S.%e %v");
+  }
+  void write(const std::string& line) {
+    constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
+    logger_.info(is_json_ ? nlohmann::json(line).dump(-1, ' ', false, kReplace) : line);
+  }
+
+ private:
+  bool is_json_;
+  spdlog::logger logger_;
+};
+
+std::string metrics_page(const Server& server, const std::vector<std::shared_ptr<MeasuredCellService>>& services) {
+  PrometheusText out;
+  write_metrics(out, server.metrics());
+  write_metrics(out, services);
+  write_process_metrics(out);
+  return out.text();
+}
+
+void print_where(const ServerProgramOptions& options, const Server& server, const AdminServer* admin) {
+  if (options.is_json) {
+    nlohmann::json where{{"listening", to_string(server.endpoint())}};
+    if (admin) where["admin"] = to_string(admin->endpoint());
+    std::cout << where.dump() << std::endl;
+    return;
+  }
+  std::cout << "listening at " << to_string(server.endpoint()) << std::endl;
+  if (admin) std::cout << "admin at " << to_string(admin->endpoint()) << std::endl;
+}
+
+Result<std::vector<std::shared_ptr<MeasuredCellService>>> build_services(const ServerProgramOptions& options,
+                                                                         EventLog& log) {
+  ServiceOptions service_options;
+  service_options.load = options.load;
+  service_options.settings = options.settings;
+  service_options.store = std::make_shared<MemoryTileStore>(options.memory_bytes);
+  service_options.pool = std::make_shared<CastPool>(options.threads);
+  service_options.log = [&log](const std::string& line) { log.write(line); };
+  std::vector<std::shared_ptr<MeasuredCellService>> services;
+  for (const SceneArgument& scene : options.scenes) {
+    Result<std::shared_ptr<MeasuredCellService>> service = build_service(scene, service_options);
+    if (!service) return tl::unexpected(service.error());
+    services.push_back(std::move(*service));
+  }
+  return services;
+}
+
+/// Blocks until one of the signals has come. A second one during the drain ends the process at once.
+int wait_for_signal(asio::io_context& context, asio::signal_set& signals) {
+  int received = 0;
+  signals.async_wait([&received](const asio::error_code&, int signal) { received = signal; });
+  context.run();
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+  return received;
+}
+
+/// Said before minutes are spent on loading.
+Status check_names(const std::vector<SceneArgument>& scenes) {
+  std::unordered_set<std::string> names;
+  for (const SceneArgument& scene : scenes) {
+    if (names.insert(scene.name).second) continue;
+    return fail(ErrorCode::kInvalidArgument, "two scenes are called '{}': give one another name with NAME=SCENE", scene.name);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<int> run_server(const ServerProgramOptions& options) {
+  if (const Status unique = check_names(options.scenes); !unique) return tl::unexpected(unique.error());
+  EventLog log(options.is_json);
+  const auto services = build_services(options, log);
+  if (!services) return tl::unexpected(services.error());
+
+  ServerOptions server_options;
+  server_options.listen = options.listen;
+  if (options.is_verbose) server_options.log = [&log](const std::string& line) { log.write(line); };
+  asio::io_context context{1};
+  asio::signal_set signals(context, SIGINT, SIGTERM);
+  const Result<std::unique_ptr<Server>> server = Server::start(server_options, {services->begin(), services->end()});
+  if (!server) return tl::unexpected(server.error());
+
+  std::unique_ptr<AdminServer> admin;
+  if (options.admin) {
+    AdminPages pages{[&] { return metrics_page(**server, *services); }, [&] { return !(*server)->is_draining(); }};
+    Result<std::unique_ptr<AdminServer>> started = AdminServer::start(*options.admin, std::move(pages));
+    if (!started) return tl::unexpected(started.error());
+    admin = std::move(*started);
+  }
+  print_where(options, **server, admin.get());
+  const int signal = wait_for_signal(context, signals);
+  log.write("stopping: clients are told to come back later");
+  (*server)->drain("the server is shutting down", kDrainGrace);
+  return signal;
+}
+
+}  // namespace farfield

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// farfield-server: serves scenes until it is told to stop. Data on stdout (where it listens), talk on stderr.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/impostor/settings.h"
+#include "server/app/build_service.h"
+#include "server/session/server.h"
+
+namespace farfield {
+
+struct ServerProgramOptions {
+  std::vector<SceneArgument> scenes;
+  Endpoint listen;
+  std::optional<Endpoint> admin;
+  std::size_t memory_bytes = std::size_t{4} << 30;  // of encoded tiles
+  int threads = 0;                                  // that make tiles; 0: one per processor
+  LoadOptions load;
+  ImpostorSettings settings;
+  bool is_json = false;
+  bool is_verbose = false;
+};
+
+/// Loads, serves, and returns when SIGINT or SIGTERM has come and clients are drained. Errors: what kept it from
+/// serving. Returns: the signal.
+Result<int> run_server(const ServerProgramOptions& options);
+
+/// The whole program. Returns: 0 told to stop (SIGTERM), 1 failed (one line on stderr), 2 wrong usage, 130 interrupted
+/// (SIGINT).
+int run_server_program(int argument_count, const char* const* arguments);
+
+}  // namespace farfield
