@@ -16,7 +16,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 constexpr const char* kFooter = R"(Examples:
   farfield-scene info clinic.glb
@@ -29,21 +31,27 @@ constexpr const char* kFooter = R"(Examples:
 Exit codes: 0 done, 1 failed, 2 wrong usage.)";
 
 void add_info(CLI::App& app, SceneInfoOptions& options, std::vector<double>& shift, unsigned& memory_gb) {
-  CLI::App* info = app.add_subcommand("info", "Load a scene and report triangles, materials, bounds and what was dropped");
-  info->add_option("SCENE", options.scene, "Model file (.glb .gltf .obj .ply .stl .off .dae .ac .ifc .city.json .jsonl) or KIND:TRIANGLES:SEED")
+  CLI::App* info =
+      app.add_subcommand("info", "Load a scene and report triangles, materials, bounds and what was dropped");
+  info->add_option("SCENE", options.scene,
+                   "Model file (.glb .gltf .obj .ply .stl .off .dae .ac .ifc .city.json .jsonl) or KIND:TRIANGLES:SEED")
       ->required();
   info->add_option("--units", options.load.metres_per_unit, "Metres per unit of the file (default 1)")
       ->check(CLI::Range(1e-9, 1e9));
   info->add_option("--up", options.load.up, "Axis that points up in the file (default y; z for CityJSON)")
       ->check(CLI::IsMember({"x", "y", "z"}));
-  info->add_option("--shift", shift, "Metres added to every position after units and up, as X,Y,Z")->delimiter(',')->expected(3);
-  info->add_option("--memory-gb", memory_gb, "Memory the import process may use (default 8)")->check(CLI::Range(1, 1024));
+  info->add_option("--shift", shift, "Metres added to every position after units and up, as X,Y,Z")
+      ->delimiter(',')
+      ->expected(3);
+  info->add_option("--memory-gb", memory_gb, "Memory the import process may use (default 8)")
+      ->check(CLI::Range(1, 1024));
   info->add_flag("--json", options.is_json, "Report as JSON");
 }
 
 void add_generate(CLI::App& app, SceneGenerateOptions& options) {
   CLI::App* generate = app.add_subcommand("generate", "Generate a scene and write it as binary glTF");
-  generate->add_option("SCENE", options.scene, "KIND:TRIANGLES:SEED with a kind of pipes, city, statues or house")->required();
+  generate->add_option("SCENE", options.scene, "KIND:TRIANGLES:SEED with a kind of pipes, city, statues or house")
+      ->required();
   generate->add_option("-o,--output", options.output, "File to write, ending in .glb")->required();
   generate->add_flag("--json", options.is_json, "Report as JSON");
 }
@@ -68,7 +76,8 @@ Status run_scene_generate(const SceneGenerateOptions& options, std::ostream& out
     return fail(ErrorCode::kInvalidArgument, "{}: only .glb is written; end the name in .glb", options.output.string());
   }
   if (std::count(options.scene.begin(), options.scene.end(), ':') != 2) {
-    return fail(ErrorCode::kInvalidArgument, "{}: name a scene to generate as KIND:TRIANGLES:SEED, as in city:500000:7", options.scene);
+    return fail(ErrorCode::kInvalidArgument, "{}: name a scene to generate as KIND:TRIANGLES:SEED, as in city:500000:7",
+                options.scene);
   }
   const Clock::time_point start = Clock::now();
   const Result<Model> model = load_model(options.scene);

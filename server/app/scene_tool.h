@@ -17,7 +17,7 @@ struct SceneInfoOptions {
 };
 
 struct SceneGenerateOptions {
-  std::string scene;  // KIND:TRIANGLES:SEED
+  std::string scene;             // KIND:TRIANGLES:SEED
   std::filesystem::path output;  // .glb
   bool is_json = false;
 };

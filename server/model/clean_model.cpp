@@ -14,7 +14,9 @@ struct Losses {
   std::size_t bad_transforms = 0;                          // instances
 };
 
-bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool is_finite(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 /// Twice the area vector, in double: exact enough that only truly collinear floats give zero.
 glm::dvec3 area_vector(const Mesh& mesh, const std::uint32_t* corner) {

@@ -17,7 +17,8 @@ void clean_model(Model& model);
 /// Removes meshes without triangles and their instances.
 void drop_empty_meshes(Model& model);
 
-/// Removes materials no mesh has and textures no material has.
+/// Removes materials no mesh has and textures no material has; materials that look the same become the first of them
+/// (AC3D files bring one per surface group), so that triangles can be grouped by material.
 void drop_unused_materials(Model& model);
 
 /// Joins vertices whose every attribute is bit for bit the same. Readers of unindexed formats call this.

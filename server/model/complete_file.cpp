@@ -46,7 +46,9 @@ Status CompleteFile::commit() {
   check(std::fflush(file_) == 0);
   check(fsync(fileno(file_)) == 0 || errno == EINVAL);  // EINVAL: a file system that cannot, such as a pipe's
   if (error_ == 0) check(std::rename(partial_path_.c_str(), path_.c_str()) == 0);
-  if (error_ != 0) return fail(ErrorCode::kIo, "{}: cannot be written: {}; nothing was left behind", path_.string(), std::strerror(error_));
+  if (error_ != 0)
+    return fail(ErrorCode::kIo, "{}: cannot be written: {}; nothing was left behind", path_.string(),
+                std::strerror(error_));
   std::fclose(std::exchange(file_, nullptr));
   return {};
 }

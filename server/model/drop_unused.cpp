@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <map>
+#include <tuple>
+
 #include "server/model/clean_model.h"
 
 namespace farfield {
@@ -19,6 +22,22 @@ std::vector<int> compact(std::vector<T>& items, const std::vector<bool>& is_used
   return new_of_old;
 }
 
+/// Number of the first material that looks like each one.
+std::vector<int> first_alike(const std::vector<Material>& materials) {
+  std::map<std::tuple<std::uint32_t, int, bool, float>, int> first;
+  std::vector<int> result;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const Material& m = materials[i];
+    const std::uint32_t colour =
+        static_cast<std::uint32_t>(m.base_colour.r) | static_cast<std::uint32_t>(m.base_colour.g) << 8 |
+        static_cast<std::uint32_t>(m.base_colour.b) << 16 | static_cast<std::uint32_t>(m.base_colour.a) << 24;
+    const float cutoff = m.is_alpha_masked ? m.alpha_cutoff : 0.0f;
+    result.push_back(
+        first.try_emplace({colour, m.texture, m.is_alpha_masked, cutoff}, static_cast<int>(i)).first->second);
+  }
+  return result;
+}
+
 }  // namespace
 
 void drop_empty_meshes(Model& model) {
@@ -26,13 +45,18 @@ void drop_empty_meshes(Model& model) {
   for (const MeshInstance& instance : model.instances) is_used[static_cast<std::size_t>(instance.mesh)] = true;
   for (std::size_t i = 0; i < model.meshes.size(); ++i) is_used[i] = is_used[i] && !model.meshes[i].indices.empty();
   const std::vector<int> new_of_old = compact(model.meshes, is_used);
-  std::erase_if(model.instances, [&](const MeshInstance& i) { return new_of_old[static_cast<std::size_t>(i.mesh)] < 0; });
+  std::erase_if(model.instances,
+                [&](const MeshInstance& i) { return new_of_old[static_cast<std::size_t>(i.mesh)] < 0; });
   for (MeshInstance& instance : model.instances) instance.mesh = new_of_old[static_cast<std::size_t>(instance.mesh)];
 }
 
 void drop_unused_materials(Model& model) {
+  const std::vector<int> alike = first_alike(model.materials);
   std::vector<bool> is_used(model.materials.size(), false);
-  for (const Mesh& mesh : model.meshes) is_used[static_cast<std::size_t>(mesh.material)] = true;
+  for (Mesh& mesh : model.meshes) {
+    mesh.material = alike[static_cast<std::size_t>(mesh.material)];
+    is_used[static_cast<std::size_t>(mesh.material)] = true;
+  }
   const std::vector<int> new_material = compact(model.materials, is_used);
   for (Mesh& mesh : model.meshes) mesh.material = new_material[static_cast<std::size_t>(mesh.material)];
 

@@ -23,8 +23,9 @@ tl::unexpected<Error> too_much(const std::filesystem::path& path, double claimed
 
 double ply_type_bytes(std::string_view type) {
   static constexpr std::pair<std::string_view, int> kTypes[] = {
-      {"char", 1},  {"uchar", 1},  {"int8", 1},    {"uint8", 1},  {"short", 2}, {"ushort", 2},  {"int16", 2}, {"uint16", 2},
-      {"int", 4},   {"uint", 4},   {"int32", 4},   {"uint32", 4}, {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
+      {"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},  {"short", 2}, {"ushort", 2},
+      {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},   {"int32", 4}, {"uint32", 4},
+      {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
   for (const auto& [name, bytes] : kTypes) {
     if (name == type) return bytes;
   }
@@ -46,7 +47,8 @@ Status check_ply(const std::filesystem::path& path, std::string_view text, doubl
       if (key == "end_header") break;
       next_word(line);
       count = parse_number<double>(next_word(line)).value_or(0);
-      if (!(count >= 0)) return fail(ErrorCode::kBadData, "{}: the header gives a negative count; copy the file again", path.string());
+      if (!(count >= 0))
+        return fail(ErrorCode::kBadData, "{}: the header gives a negative count; copy the file again", path.string());
     }
     if (key == "property") {
       const std::string_view type = next_word(line);
@@ -78,7 +80,9 @@ Status check_off(const std::filesystem::path& path, std::string_view text, doubl
     for (std::string_view word = next_word(line); !word.empty() && found < 2; word = next_word(line)) {
       if (word.find("OFF") != word.npos || word == "BINARY") continue;  // OFF, COFF, NOFF, STOFF …
       const std::optional<double> number = parse_number<double>(word);
-      if (!number) return fail(ErrorCode::kBadData, "{}: not an OFF file ('{}' where a count should be); check what it really is", path.string(), std::string(word.substr(0, 20)));
+      if (!number)
+        return fail(ErrorCode::kBadData, "{}: not an OFF file ('{}' where a count should be); check what it really is",
+                    path.string(), std::string(word.substr(0, 20)));
       counts[found++] = *number;
     }
   }
@@ -106,7 +110,8 @@ Result<FileClaims> check_file_claims(const std::filesystem::path& path, ModelFor
   if (format == ModelFormat::kStl) status = check_stl(path, *start, size);
   if (format == ModelFormat::kOff) status = check_off(path, text, size);
   if (format == ModelFormat::kIfc && text.find("END-ISO-10303-21") == text.npos) {
-    status = fail(ErrorCode::kBadData, "{}: the file ends before its end mark END-ISO-10303-21; copy it again", path.string());
+    status = fail(ErrorCode::kBadData, "{}: the file ends before its end mark END-ISO-10303-21; copy it again",
+                  path.string());
   }
   if (!status) return tl::unexpected(status.error());
   return FileClaims{};

@@ -16,10 +16,10 @@ struct Extension {
 };
 
 constexpr Extension kExtensions[] = {
-    {".obj", ModelFormat::kObj},       {".json", ModelFormat::kCityJson}, {".jsonl", ModelFormat::kCityJson},
-    {".cityjson", ModelFormat::kCityJson}, {".glb", ModelFormat::kGlb},   {".gltf", ModelFormat::kGltf},
-    {".ply", ModelFormat::kPly},       {".stl", ModelFormat::kStl},       {".off", ModelFormat::kOff},
-    {".dae", ModelFormat::kCollada},   {".ac", ModelFormat::kAc3d},       {".ifc", ModelFormat::kIfc},
+    {".obj", ModelFormat::kObj},           {".json", ModelFormat::kCityJson}, {".jsonl", ModelFormat::kCityJson},
+    {".cityjson", ModelFormat::kCityJson}, {".glb", ModelFormat::kGlb},       {".gltf", ModelFormat::kGltf},
+    {".ply", ModelFormat::kPly},           {".stl", ModelFormat::kStl},       {".off", ModelFormat::kOff},
+    {".dae", ModelFormat::kCollada},       {".ac", ModelFormat::kAc3d},       {".ifc", ModelFormat::kIfc},
 };
 
 /// What the first bytes must be, where a format says so.
@@ -34,7 +34,8 @@ std::string_view signature_of(ModelFormat format) {
 }
 
 std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
@@ -56,7 +57,9 @@ const char* model_format_name(ModelFormat format) {
   return "unknown";
 }
 
-const char* default_up_axis(ModelFormat format) { return format == ModelFormat::kCityJson ? "z" : "y"; }
+const char* default_up_axis(ModelFormat format) {
+  return format == ModelFormat::kCityJson ? "z" : "y";
+}
 
 Result<ModelFormat> find_model_format(const std::filesystem::path& path) {
   const Result<Bytes> start = read_file_start(path, 64);

@@ -30,7 +30,12 @@ double element_bytes(const Json& accessor) {
   const double component = component_type <= 5121 ? 1 : component_type <= 5123 ? 2 : 4;
   const auto found = accessor.find("type");
   const std::string type = found != accessor.end() && found->is_string() ? found->get<std::string>() : "SCALAR";
-  const double count = type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" || type == "MAT2" ? 4 : type == "MAT3" ? 9 : type == "MAT4" ? 16 : 1;
+  const double count = type == "VEC2"                     ? 2
+                       : type == "VEC3"                   ? 3
+                       : type == "VEC4" || type == "MAT2" ? 4
+                       : type == "MAT3"                   ? 9
+                       : type == "MAT4"                   ? 16
+                                                          : 1;
   return component * count;
 }
 
@@ -48,7 +53,9 @@ Status check_accessors(const std::filesystem::path& path, const Json& root) {
     const double needed = count > 0 ? stride * (count - 1) + element : 0;
     // Accessors without a view stand for zeros: there is nothing to hold them against but common sense.
     if (has_view ? needed > there : count > 1e8) {
-      return fail(ErrorCode::kBadData, "{}: accessor {} claims {:.0f} elements ({:.0f} bytes) but its buffer view holds {:.0f}; export the file again",
+      return fail(ErrorCode::kBadData,
+                  "{}: accessor {} claims {:.0f} elements ({:.0f} bytes) but its buffer view holds {:.0f}; export the "
+                  "file again",
                   path.string(), number, count, needed, std::max(there, 0.0));
     }
     ++number;
@@ -62,7 +69,8 @@ Status check_buffers(const std::filesystem::path& path, const Json& root, double
     const auto uri = buffer.is_object() ? buffer.find("uri") : buffer.end();
     if (!buffer.is_object() || uri == buffer.end() || !uri->is_string()) {
       if (claimed > binary_chunk_bytes) {
-        return fail(ErrorCode::kBadData, "{}: a buffer claims {:.0f} bytes but the file brings {:.0f}; it is truncated: copy it again",
+        return fail(ErrorCode::kBadData,
+                    "{}: a buffer claims {:.0f} bytes but the file brings {:.0f}; it is truncated: copy it again",
                     path.string(), claimed, binary_chunk_bytes);
       }
       continue;
@@ -70,7 +78,9 @@ Status check_buffers(const std::filesystem::path& path, const Json& root, double
     const std::string& name = uri->get_ref<const std::string&>();
     if (name.starts_with("data:")) {
       if (claimed > 0.75 * static_cast<double>(name.size())) {
-        return fail(ErrorCode::kBadData, "{}: an embedded buffer claims {:.0f} bytes, more than its text holds; export the file again", path.string(), claimed);
+        return fail(ErrorCode::kBadData,
+                    "{}: an embedded buffer claims {:.0f} bytes, more than its text holds; export the file again",
+                    path.string(), claimed);
       }
       continue;
     }
@@ -80,7 +90,8 @@ Status check_buffers(const std::filesystem::path& path, const Json& root, double
       return fail(ErrorCode::kNotFound, "{}: its data file {} is not beside it; copy both", path.string(), name);
     }
     if (!error && claimed > static_cast<double>(size)) {
-      return fail(ErrorCode::kBadData, "{}: needs {:.0f} bytes of {}, which has {}; copy both files again", path.string(), claimed, name, size);
+      return fail(ErrorCode::kBadData, "{}: needs {:.0f} bytes of {}, which has {}; copy both files again",
+                  path.string(), claimed, name, size);
     }
   }
   return {};
@@ -127,18 +138,21 @@ Result<FileClaims> check_gltf_claims(const std::filesystem::path& path, ModelFor
     reader.get<std::uint32_t>();  // chunk type
     json_text = reader.get_bytes(json_length);
     if (reader.ok() && version != 2) {
-      return fail(ErrorCode::kBadData, "{}: glTF version {}; only version 2 is read: convert it", path.string(), version);
+      return fail(ErrorCode::kBadData, "{}: glTF version {}; only version 2 is read: convert it", path.string(),
+                  version);
     }
     if (!reader.ok() || length > bytes->size()) {
-      return fail(ErrorCode::kBadData, "{}: the header claims {} bytes but the file has {}; it is truncated: copy it again",
-                  path.string(), length, bytes->size());
+      return fail(ErrorCode::kBadData,
+                  "{}: the header claims {} bytes but the file has {}; it is truncated: copy it again", path.string(),
+                  length, bytes->size());
     }
     const auto chunk_bytes = reader.get<std::uint32_t>();
     if (reader.ok()) binary_bytes = std::min<double>(chunk_bytes, static_cast<double>(reader.remaining()));
   }
   const Json root = Json::parse(json_text, nullptr, false);
   if (root.is_discarded() || !root.is_object()) {
-    return fail(ErrorCode::kBadData, "{}: its glTF description is not JSON; check what the file really is", path.string());
+    return fail(ErrorCode::kBadData, "{}: its glTF description is not JSON; check what the file really is",
+                path.string());
   }
   Status status = check_buffers(path, root, binary_bytes);
   if (status) status = check_accessors(path, root);

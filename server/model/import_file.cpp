@@ -64,8 +64,9 @@ Result<Model> import_file(const std::filesystem::path& path) {
   std::size_t stored = 0;
   for (const Mesh& mesh : model->meshes) stored += mesh.indices.size() / 3;
   if (claims->stored_triangles.value_or(0) > stored) {
-    model->warnings.push_back(fmt::format("triangles of the file that its importer dropped, naming missing vertices: {}",
-                                          *claims->stored_triangles - stored));
+    model->warnings.push_back(
+        fmt::format("triangles of the file that its importer dropped, naming missing vertices: {}",
+                    *claims->stored_triangles - stored));
   }
   if (*format == ModelFormat::kCityJson) {
     for (Mesh& mesh : model->meshes) weld_vertices(mesh);  // its surfaces do not share vertices when read
@@ -82,9 +83,10 @@ int run_import_program(int argument_count, char** arguments) {
     cpu_seconds = parse_number<std::uint64_t>(arguments[4]);
   }
   if (!output || !memory_bytes || !cpu_seconds) {
-    std::fprintf(stderr, "usage: farfield-import FILE OUTPUT_DESCRIPTOR MEMORY_BYTES CPU_SECONDS\n"
-                         "Started by Farfield's programs to read a model file at arm's length; "
-                         "'farfield-scene info FILE' is what people run.\n");
+    std::fprintf(stderr,
+                 "usage: farfield-import FILE OUTPUT_DESCRIPTOR MEMORY_BYTES CPU_SECONDS\n"
+                 "Started by Farfield's programs to read a model file at arm's length; "
+                 "'farfield-scene info FILE' is what people run.\n");
     return 2;
   }
   Status status = limit_import_process({*memory_bytes, *cpu_seconds});

@@ -66,8 +66,10 @@ struct Ending {
 Result<pid_t> spawn(const std::filesystem::path& program, const std::filesystem::path& path, int output, int talk,
                     const ImportProcessOptions& options) {
   const std::string file = path.string(), descriptor = std::to_string(kOutputDescriptor);
-  const std::string memory = std::to_string(options.memory_limit_bytes), seconds = std::to_string(options.time_limit.count());
-  const char* arguments[] = {program.c_str(), file.c_str(), descriptor.c_str(), memory.c_str(), seconds.c_str(), nullptr};
+  const std::string memory = std::to_string(options.memory_limit_bytes),
+                    seconds = std::to_string(options.time_limit.count());
+  const char* arguments[] = {program.c_str(), file.c_str(),    descriptor.c_str(),
+                             memory.c_str(),  seconds.c_str(), nullptr};
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
@@ -121,12 +123,14 @@ tl::unexpected<Error> failure_of(const std::filesystem::path& path, const Ending
   const std::string file = path.string(), line = last_line(ending.talk);
   const bool is_signal = WIFSIGNALED(ending.status);
   if (ending.is_timed_out || (is_signal && WTERMSIG(ending.status) == SIGXCPU)) {
-    return fail(ErrorCode::kLimitExceeded, "{}: import stopped after {} s; simplify or split the file", file, options.time_limit.count());
+    return fail(ErrorCode::kLimitExceeded, "{}: import stopped after {} s; simplify or split the file", file,
+                options.time_limit.count());
   }
   if (line.find("more memory than the import") != line.npos || line.find("File too large") != line.npos ||
       line.find("bad_alloc") != line.npos || (is_signal && WTERMSIG(ending.status) == SIGKILL)) {
-    return fail(ErrorCode::kLimitExceeded, "{}: import needs more than the {} MB allowed; split the file or raise the limit",
-                file, options.memory_limit_bytes >> 20);
+    return fail(ErrorCode::kLimitExceeded,
+                "{}: import needs more than the {} MB allowed; split the file or raise the limit", file,
+                options.memory_limit_bytes >> 20);
   }
   if (is_signal) {
     return fail(ErrorCode::kBadData, "{}: the importer crashed on this file ({}{}{}); repair or convert it", file,
@@ -163,7 +167,8 @@ Result<Model> import_in_process(const std::filesystem::path& path, const ImportP
     view.size = static_cast<std::size_t>(information.st_size);
     view.data = mmap(nullptr, view.size, PROT_READ, MAP_PRIVATE, output.get(), 0);
   }
-  if (view.data == MAP_FAILED) return fail(ErrorCode::kIo, "{}: the imported model cannot be taken over", path.string());
+  if (view.data == MAP_FAILED)
+    return fail(ErrorCode::kIo, "{}: the imported model cannot be taken over", path.string());
   Result<Model> model = read_model_stream({static_cast<const std::uint8_t*>(view.data), view.size});
   if (!model) return fail_within(path.string(), model.error());
   return model;

@@ -55,23 +55,30 @@ std::string report_text(const ImportReport& report) {
   auto out = std::back_inserter(text);
   const glm::dvec3 size = report.bounds.extent();
   fmt::format_to(out, "scene      {}\n", report.scene);
-  fmt::format_to(out, "triangles  {} drawn, {} stored\n", grouped(report.drawn_triangles), grouped(report.stored_triangles));
+  fmt::format_to(out, "triangles  {} drawn, {} stored\n", grouped(report.drawn_triangles),
+                 grouped(report.stored_triangles));
   fmt::format_to(out, "meshes     {} in {} instances\n", grouped(report.meshes), grouped(report.instances));
   fmt::format_to(out, "materials  {}\n", grouped(report.materials));
-  fmt::format_to(out, "textures   {}, {:.1f} megatexels\n", grouped(report.textures), 1e-6 * static_cast<double>(report.texture_texels));
-  fmt::format_to(out, "bounds     ({:.3f} {:.3f} {:.3f}) .. ({:.3f} {:.3f} {:.3f}) m\n", report.bounds.min.x, report.bounds.min.y,
-                 report.bounds.min.z, report.bounds.max.x, report.bounds.max.y, report.bounds.max.z);
+  fmt::format_to(out, "textures   {}, {:.1f} megatexels\n", grouped(report.textures),
+                 1e-6 * static_cast<double>(report.texture_texels));
+  fmt::format_to(out, "bounds     ({:.3f} {:.3f} {:.3f}) .. ({:.3f} {:.3f} {:.3f}) m\n", report.bounds.min.x,
+                 report.bounds.min.y, report.bounds.min.z, report.bounds.max.x, report.bounds.max.y,
+                 report.bounds.max.z);
   fmt::format_to(out, "size       {:.4g} x {:.4g} x {:.4g} m\n", size.x, size.y, size.z);
-  fmt::format_to(out, "units      {} m{}\n", report.metres_per_unit, report.is_units_given ? "" : " (assumed; --units changes it)");
+  fmt::format_to(out, "units      {} m{}\n", report.metres_per_unit,
+                 report.is_units_given ? "" : " (assumed; --units changes it)");
   fmt::format_to(out, "up axis    {}{}\n", report.up, report.is_up_given ? "" : " (assumed; --up changes it)");
-  if (report.shift != glm::dvec3(0)) fmt::format_to(out, "shift      {} {} {} m\n", report.shift.x, report.shift.y, report.shift.z);
-  fmt::format_to(out, "loaded in  {:.2f} s, peak memory {:.0f} MB\n", report.seconds, 1e-6 * static_cast<double>(report.peak_memory_bytes));
+  if (report.shift != glm::dvec3(0))
+    fmt::format_to(out, "shift      {} {} {} m\n", report.shift.x, report.shift.y, report.shift.z);
+  fmt::format_to(out, "loaded in  {:.2f} s, peak memory {:.0f} MB\n", report.seconds,
+                 1e-6 * static_cast<double>(report.peak_memory_bytes));
   if (report.warnings.empty()) return text + "warnings   none\n";
   constexpr std::size_t kShown = 12;
   for (std::size_t i = 0; i < std::min(kShown, report.warnings.size()); ++i) {
     fmt::format_to(out, "{}{}\n", i == 0 ? "warnings   " : "           ", report.warnings[i]);
   }
-  if (report.warnings.size() > kShown) fmt::format_to(out, "           and {} more (all with --json)\n", report.warnings.size() - kShown);
+  if (report.warnings.size() > kShown)
+    fmt::format_to(out, "           and {} more (all with --json)\n", report.warnings.size() - kShown);
   return text;
 }
 

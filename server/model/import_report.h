@@ -11,15 +11,15 @@
 namespace farfield {
 
 struct ImportReport {
-  std::string scene;            // as the user named it
+  std::string scene;  // as the user named it
   std::size_t drawn_triangles = 0;
   std::size_t stored_triangles = 0;  // each mesh once, however often it is placed
   std::size_t meshes = 0, instances = 0, materials = 0;
   std::size_t textures = 0;
   std::uint64_t texture_texels = 0;
-  Box bounds;                   // world, metres
+  Box bounds;  // world, metres
   double metres_per_unit = 1;
-  std::string up = "y";         // the file's axis that became +Y
+  std::string up = "y";                              // the file's axis that became +Y
   bool is_units_given = false, is_up_given = false;  // by options; else assumed from the format
   glm::dvec3 shift{0};
   std::vector<std::string> warnings;

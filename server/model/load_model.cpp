@@ -54,8 +54,9 @@ Result<RawModel> read_raw(const std::string& argument, const LoadOptions& option
   }
   const Result<ModelFormat> format = find_model_format(argument);
   if (!format) return tl::unexpected(format.error());
-  Result<Model> model = import_in_process(
-      argument, {.program = options.import_program, .memory_limit_bytes = options.memory_limit_bytes, .time_limit = options.time_limit});
+  Result<Model> model = import_in_process(argument, {.program = options.import_program,
+                                                     .memory_limit_bytes = options.memory_limit_bytes,
+                                                     .time_limit = options.time_limit});
   if (!model) return tl::unexpected(model.error());
   return RawModel{std::move(*model), default_up_axis(*format)};
 }
@@ -63,7 +64,8 @@ Result<RawModel> read_raw(const std::string& argument, const LoadOptions& option
 }  // namespace
 
 Result<Model> load_model(const std::string& scene_argument, const LoadOptions& options) {
-  if (scene_argument.empty()) return fail(ErrorCode::kInvalidArgument, "no scene named; give a file or KIND:TRIANGLES:SEED");
+  if (scene_argument.empty())
+    return fail(ErrorCode::kInvalidArgument, "no scene named; give a file or KIND:TRIANGLES:SEED");
   // Checked before the work, with any up axis: its own default is as good.
   const double units = options.metres_per_unit == 0 ? 1.0 : options.metres_per_unit;
   if (const auto frame = world_from_file(units, options.up.empty() ? "y" : options.up, options.shift); !frame) {
@@ -82,7 +84,9 @@ Result<Model> load_model(const std::string& scene_argument, const LoadOptions& o
   clean_model(model);
   drop_unused_materials(model);
   if (model.drawn_triangles() == 0) {
-    const std::string why = is_all_clear ? "every triangle is see-through" : had_triangles ? "every triangle is broken" : "the file holds no triangles";
+    const std::string why = is_all_clear    ? "every triangle is see-through"
+                            : had_triangles ? "every triangle is broken"
+                                            : "the file holds no triangles";
     const std::string detail = model.warnings.empty() ? "" : " (" + model.warnings.back() + ")";
     return fail(ErrorCode::kBadData, "{}: nothing to show: {}{}; check the export", scene_argument, why, detail);
   }

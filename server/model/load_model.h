@@ -13,12 +13,12 @@
 namespace farfield {
 
 struct LoadOptions {
-  double metres_per_unit = 0;  // --units; 0: what the file says, else 1
-  std::string up;              // --up: "x", "y", "z"; empty: what the format says (OBJ, PLY, STL, OFF: y)
-  glm::dvec3 shift{0};         // --shift: added to every world position in double, after units and up
+  double metres_per_unit = 0;            // --units; 0: what the file says, else 1
+  std::string up;                        // --up: "x", "y", "z"; empty: what the format says (OBJ, PLY, STL, OFF: y)
+  glm::dvec3 shift{0};                   // --shift: added to every world position in double, after units and up
   std::filesystem::path import_program;  // farfield-import; empty: beside the running program
   std::size_t memory_limit_bytes = std::size_t{8} << 30;  // of the import process
-  std::chrono::seconds time_limit{600};                       // processor time of the import process
+  std::chrono::seconds time_limit{600};                   // processor time of the import process
 };
 
 /// Reads a file or runs a generator ("pipes:1000000:1"). Assimp formats are read in a child process that may crash

@@ -5,7 +5,8 @@ namespace farfield {
 
 std::size_t Model::drawn_triangles() const {
   std::size_t triangles = 0;
-  for (const MeshInstance& instance : instances) triangles += meshes[static_cast<std::size_t>(instance.mesh)].indices.size() / 3;
+  for (const MeshInstance& instance : instances)
+    triangles += meshes[static_cast<std::size_t>(instance.mesh)].indices.size() / 3;
   return triangles;
 }
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 #include "server/model/texture_file.h"
@@ -105,9 +106,11 @@ TextureImage read_texture(StreamReader& in) {
   texture.width = in.get<std::int32_t>();
   texture.height = in.get<std::int32_t>();
   texture.rgba = in.get_array<std::uint8_t>();
-  const bool has_size = texture.width > 0 && texture.height > 0 && texture.width <= kMaxTextureFileEdge && texture.height <= kMaxTextureFileEdge;
+  const bool has_size = texture.width > 0 && texture.height > 0 && texture.width <= kMaxTextureFileEdge &&
+                        texture.height <= kMaxTextureFileEdge;
   in.require(has_size);
-  in.require(has_size && texture.rgba.size() == std::size_t{4} * static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height));
+  in.require(has_size && texture.rgba.size() == std::size_t{4} * static_cast<std::size_t>(texture.width) *
+                                                    static_cast<std::size_t>(texture.height));
   return texture;
 }
 
@@ -118,6 +121,7 @@ Material read_material(StreamReader& in, std::size_t textures) {
   material.texture = in.get<std::int32_t>();
   material.is_alpha_masked = in.get<std::uint8_t>() != 0;
   material.alpha_cutoff = in.get<float>();
+  in.require(std::isfinite(material.alpha_cutoff));
   in.require(material.texture >= -1 && material.texture < static_cast<std::int64_t>(textures));
   return material;
 }
@@ -189,7 +193,8 @@ Result<Model> read_model_stream(ByteView bytes) {
   in.require(in.get<std::uint64_t>() == kMagic);
   Model model;
   model.name = in.get_text();
-  for (std::size_t left = in.get_count(kText); left > 0 && in.is_valid(); --left) model.warnings.push_back(in.get_text());
+  for (std::size_t left = in.get_count(kText); left > 0 && in.is_valid(); --left)
+    model.warnings.push_back(in.get_text());
   for (std::size_t left = in.get_count(kTexture); left > 0 && in.is_valid(); --left) {
     model.textures.push_back(read_texture(in));
   }
@@ -205,7 +210,8 @@ Result<Model> read_model_stream(ByteView bytes) {
     instance.world_from_mesh = in.get<glm::dmat4>();
     in.require(instance.mesh >= 0 && instance.mesh < static_cast<std::int64_t>(model.meshes.size()));
   }
-  if (!in.is_valid() || !in.is_at_end()) return fail(ErrorCode::kBadData, "the import process handed over damaged data");
+  if (!in.is_valid() || !in.is_at_end())
+    return fail(ErrorCode::kBadData, "the import process handed over damaged data");
   return model;
 }
 

@@ -9,7 +9,9 @@
 namespace farfield {
 namespace {
 
-std::uint8_t to_byte(double value) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0))); }
+std::uint8_t to_byte(double value) {
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+}
 
 /// The file name of a map statement: options ("-s 1 1 1", "-clamp on") and their values come before it.
 std::string map_name(std::string_view rest) {
@@ -67,7 +69,8 @@ void read_mtl(std::string_view text, Model& model, TextureCache& textures, std::
   for (auto& [name, index] : index_by_name) {
     Material& m = model.materials[static_cast<std::size_t>(index)];
     if (m.texture < 0) continue;
-    if (m.base_colour.r == 0 && m.base_colour.g == 0 && m.base_colour.b == 0) m.base_colour = {255, 255, 255, m.base_colour.a};
+    if (m.base_colour.r == 0 && m.base_colour.g == 0 && m.base_colour.b == 0)
+      m.base_colour = {255, 255, 255, m.base_colour.a};
     m.is_alpha_masked = true;  // settle_transparency() keeps it only if the texture has holes
   }
 }

@@ -109,7 +109,8 @@ void write_png(png_structp png, png_infop info, PngWriting& state, const Texture
                PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);
   for (int y = 0; y < image.height; ++y) {
-    const std::uint8_t* row = image.rgba.data() + std::size_t{4} * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(y);
+    const std::uint8_t* row =
+        image.rgba.data() + std::size_t{4} * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(y);
     if (!has_alpha) {
       for (int x = 0; x < image.width; ++x) std::memcpy(state.rgb_row.data() + 3 * x, row + 4 * x, 3);
       row = state.rgb_row.data();
@@ -128,15 +129,18 @@ Result<TextureImage> decode_png(ByteView file_bytes) {
   if (info) read_png(png, info, state);
   png_destroy_read_struct(&png, &info, nullptr);
   if (!state.error.empty()) {
-    return fail(state.is_limit ? ErrorCode::kLimitExceeded : ErrorCode::kBadData, "PNG cannot be read: {}", state.error);
+    return fail(state.is_limit ? ErrorCode::kLimitExceeded : ErrorCode::kBadData, "PNG cannot be read: {}",
+                state.error);
   }
   if (!state.reducer) return fail(ErrorCode::kInternal, "libpng could not start");
   return state.reducer->take();
 }
 
 Result<Bytes> encode_png(const TextureImage& image) {
-  const std::size_t texels = static_cast<std::size_t>(std::max(image.width, 0)) * static_cast<std::size_t>(std::max(image.height, 0));
-  if (texels == 0 || image.rgba.size() != 4 * texels) return fail(ErrorCode::kInvalidArgument, "texture '{}' is empty", image.name);
+  const std::size_t texels =
+      static_cast<std::size_t>(std::max(image.width, 0)) * static_cast<std::size_t>(std::max(image.height, 0));
+  if (texels == 0 || image.rgba.size() != 4 * texels)
+    return fail(ErrorCode::kInvalidArgument, "texture '{}' is empty", image.name);
   bool has_alpha = false;
   for (std::size_t i = 0; i < texels && !has_alpha; ++i) has_alpha = image.rgba[4 * i + 3] != 255;
   PngWriting state;

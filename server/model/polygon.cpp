@@ -47,13 +47,16 @@ bool is_inside(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b, co
   return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
 }
 
-bool is_same_place(const glm::dvec2& a, const glm::dvec2& b) { return a.x == b.x && a.y == b.y; }
+bool is_same_place(const glm::dvec2& a, const glm::dvec2& b) {
+  return a.x == b.x && a.y == b.y;
+}
 
 /// Clips ears off one counter-clockwise ring, held as a doubly linked list over ring positions.
 class EarClipper {
  public:
   /// Without holes only reflex corners can lie in an ear; twins at bridges make that true of any corner.
-  EarClipper(const Projection& flat, std::span<const std::uint32_t> ring, bool has_bridges) : flat_(flat), ring_(ring), has_bridges_(has_bridges) {
+  EarClipper(const Projection& flat, std::span<const std::uint32_t> ring, bool has_bridges)
+      : flat_(flat), ring_(ring), has_bridges_(has_bridges) {
     const auto count = static_cast<std::uint32_t>(ring.size());
     next_.resize(count), previous_.resize(count), may_block_.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) next_[i] = (i + 1) % count, previous_[i] = (i + count - 1) % count;
@@ -136,7 +139,8 @@ class EarClipper {
 
 /// Whether the ring's inside, at this corner, lies towards p. Tells apart the twins that earlier bridges made.
 bool looks_towards(const Projection& flat, const std::vector<std::uint32_t>& ring, std::size_t i, const glm::dvec2& p) {
-  const glm::dvec2 &a = flat[ring[(i + ring.size() - 1) % ring.size()]], &v = flat[ring[i]], &b = flat[ring[(i + 1) % ring.size()]];
+  const glm::dvec2 &a = flat[ring[(i + ring.size() - 1) % ring.size()]], &v = flat[ring[i]],
+                   &b = flat[ring[(i + 1) % ring.size()]];
   if (turn(a, v, b) > 0) return turn(a, v, p) >= 0 && turn(v, b, p) >= 0;
   return turn(a, v, p) > 0 || turn(v, b, p) > 0;
 }
@@ -167,11 +171,13 @@ std::optional<std::size_t> bridge_corner(const Projection& flat, const std::vect
       if (is_same_place(p, corner)) return i;  // of its twins the one that can be seen
       continue;
     }
-    const bool is_in = corner.y < hole_point.y ? is_inside(p, hole_point, corner, hit) : is_inside(p, hole_point, hit, corner);
+    const bool is_in =
+        corner.y < hole_point.y ? is_inside(p, hole_point, corner, hit) : is_inside(p, hole_point, hit, corner);
     if (!is_in) continue;
     const double slope = std::abs(p.y - hole_point.y) / (p.x - hole_point.x);
     // Corners in one line with the hole, as in rows of windows: the nearest one hides the others.
-    if (slope < smallest_slope || (slope == smallest_slope && p.x < flat[ring[*best]].x)) smallest_slope = slope, best = i;
+    if (slope < smallest_slope || (slope == smallest_slope && p.x < flat[ring[*best]].x))
+      smallest_slope = slope, best = i;
   }
   return best;
 }
@@ -224,7 +230,8 @@ void triangulate_polygon_with_holes(std::span<const glm::dvec3> points,
     for (const std::uint32_t i : hole) x = std::max(x, flat[i].x);
     return x;
   };
-  std::stable_sort(holes.begin(), holes.end(), [&](const auto& a, const auto& b) { return rightmost(a) > rightmost(b); });
+  std::stable_sort(holes.begin(), holes.end(),
+                   [&](const auto& a, const auto& b) { return rightmost(a) > rightmost(b); });
   for (const std::vector<std::uint32_t>& hole : holes) join_hole(flat, ring, hole);
 
   EarClipper(flat, ring, ring.size() > rings[0].size()).run(triangles);

@@ -25,7 +25,8 @@ class RowReducer {
   RowReducer(int width, int height, int factor) : width_(width), height_(height), factor_(factor) {
     image_.width = (width + factor - 1) / factor;
     image_.height = (height + factor - 1) / factor;
-    image_.rgba.resize(std::size_t{4} * static_cast<std::size_t>(image_.width) * static_cast<std::size_t>(image_.height));
+    image_.rgba.resize(std::size_t{4} * static_cast<std::size_t>(image_.width) *
+                       static_cast<std::size_t>(image_.height));
     if (factor > 1) sums_.resize(static_cast<std::size_t>(image_.width) * 4);
   }
 

@@ -26,14 +26,17 @@ std::vector<Colour16> linear_colours(const std::vector<glm::u8vec4>& colours) {
   result.reserve(colours.size());
   for (const glm::u8vec4& c : colours) {
     Colour16 linear{};
-    for (int k = 0; k < 3; ++k) linear[static_cast<std::size_t>(k)] = static_cast<std::uint16_t>(std::lround(65535 * srgb_to_linear(c[k])));
+    for (int k = 0; k < 3; ++k)
+      linear[static_cast<std::size_t>(k)] = static_cast<std::uint16_t>(std::lround(65535 * srgb_to_linear(c[k])));
     linear[3] = static_cast<std::uint16_t>(c.a * 257);
     result.push_back(linear);
   }
   return result;
 }
 
-std::uint64_t padded(std::uint64_t size) { return (size + 3) & ~std::uint64_t{3}; }
+std::uint64_t padded(std::uint64_t size) {
+  return (size + 3) & ~std::uint64_t{3};
+}
 
 /// Lays out the binary chunk and describes it; the bytes follow in the same order when they are written.
 class GlbDescription {
@@ -65,14 +68,18 @@ class GlbDescription {
   }
 
   std::size_t add_accessor(std::size_t count, std::size_t element_bytes, int component, const char* type, int target) {
-    Json accessor = {{"bufferView", add_view(count * element_bytes, target)}, {"componentType", component}, {"count", count}, {"type", type}};
+    Json accessor = {{"bufferView", add_view(count * element_bytes, target)},
+                     {"componentType", component},
+                     {"count", count},
+                     {"type", type}};
     json_["accessors"].push_back(std::move(accessor));
     return json_["accessors"].size() - 1;
   }
 
   void describe_textures() {
     if (pngs_.empty()) return;
-    json_["samplers"] = Json::array({{{"magFilter", kLinear}, {"minFilter", kLinearMipmapLinear}, {"wrapS", kRepeat}, {"wrapT", kRepeat}}});
+    json_["samplers"] = Json::array(
+        {{{"magFilter", kLinear}, {"minFilter", kLinearMipmapLinear}, {"wrapS", kRepeat}, {"wrapT", kRepeat}}});
     for (std::size_t i = 0; i < pngs_.size(); ++i) {
       const std::size_t view = add_view(pngs_[i].size(), 0);  // first: adding a member may move the others
       json_["images"].push_back({{"name", model_.textures[i].name}, {"mimeType", "image/png"}, {"bufferView", view}});
@@ -105,8 +112,10 @@ class GlbDescription {
     json_["accessors"][position]["min"] = {low.x, low.y, low.z};
     json_["accessors"][position]["max"] = {high.x, high.y, high.z};
     attributes["POSITION"] = position;
-    if (!mesh.normals.empty()) attributes["NORMAL"] = add_accessor(count, sizeof(glm::vec3), kFloat, "VEC3", kArrayBuffer);
-    if (!mesh.uvs.empty()) attributes["TEXCOORD_0"] = add_accessor(count, sizeof(glm::vec2), kFloat, "VEC2", kArrayBuffer);
+    if (!mesh.normals.empty())
+      attributes["NORMAL"] = add_accessor(count, sizeof(glm::vec3), kFloat, "VEC3", kArrayBuffer);
+    if (!mesh.uvs.empty())
+      attributes["TEXCOORD_0"] = add_accessor(count, sizeof(glm::vec2), kFloat, "VEC2", kArrayBuffer);
     if (!mesh.colours.empty()) {
       const std::size_t colour = add_accessor(count, sizeof(Colour16), kUnsignedShort, "VEC4", kArrayBuffer);
       json_["accessors"][colour]["normalized"] = true;
@@ -177,7 +186,8 @@ void write_header(CompleteFile& file, std::string_view json, std::uint64_t binar
 }  // namespace
 
 Status write_glb(const Model& model, const std::filesystem::path& path) {
-  if (model.drawn_triangles() == 0) return fail(ErrorCode::kInvalidArgument, "{}: the model has no triangles to write", path.string());
+  if (model.drawn_triangles() == 0)
+    return fail(ErrorCode::kInvalidArgument, "{}: the model has no triangles to write", path.string());
   std::vector<Bytes> pngs;
   for (const TextureImage& texture : model.textures) {
     Result<Bytes> png = encode_png(texture);

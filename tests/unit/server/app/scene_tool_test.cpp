@@ -55,7 +55,8 @@ TEST(SceneTool, GenerateWritesAFile) {
 
 TEST(SceneTool, GenerateNeedsASceneToGenerate) {
   std::ostringstream out;
-  EXPECT_EQ(run_scene_generate({.scene = "clinic.glb", .output = "x.glb"}, out).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(run_scene_generate({.scene = "clinic.glb", .output = "x.glb"}, out).error().code,
+            ErrorCode::kInvalidArgument);
 }
 
 }  // namespace

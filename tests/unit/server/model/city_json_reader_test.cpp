@@ -12,14 +12,18 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-constexpr const char* kVertices = R"("vertices":[[0,0,0],[1000,0,0],[1000,1000,0],[0,1000,0],[0,0,1000],[1000,0,1000],[1000,1000,1000],[0,1000,1000]])";
-constexpr const char* kTransform = R"("transform":{"scale":[0.001,0.001,0.001],"translate":[84616.468,447422.999,-0.452]})";
+constexpr const char* kVertices =
+    R"("vertices":[[0,0,0],[1000,0,0],[1000,1000,0],[0,1000,0],[0,0,1000],[1000,0,1000],[1000,1000,1000],[0,1000,1000]])";
+constexpr const char* kTransform =
+    R"("transform":{"scale":[0.001,0.001,0.001],"translate":[84616.468,447422.999,-0.452]})";
 constexpr const char* kCube = R"([[[0,3,2,1]],[[4,5,6,7]],[[0,1,5,4]],[[1,2,6,5]],[[2,3,7,6]],[[3,0,4,7]]])";
 
 class CityJsonTest : public testing::Test {
  protected:
   Result<Model> read(const std::string& objects) {
-    return read_city_json(folder_.write("tile.city.json", fmt::format(R"({{"type":"CityJSON","version":"1.1",{},{},"CityObjects":{}}})", kTransform, kVertices, objects)));
+    return read_city_json(
+        folder_.write("tile.city.json", fmt::format(R"({{"type":"CityJSON","version":"1.1",{},{},"CityObjects":{}}})",
+                                                    kTransform, kVertices, objects)));
   }
   TemporaryFolder folder_;
 };
@@ -27,7 +31,8 @@ class CityJsonTest : public testing::Test {
 TEST_F(CityJsonTest, ReadsASolidInItsPlaceWithColoursBySurface) {
   const auto model = read(fmt::format(
       R"({{"a":{{"type":"Building","geometry":[{{"type":"Solid","lod":"2.2","boundaries":[{}],
-          "semantics":{{"surfaces":[{{"type":"RoofSurface"}},{{"type":"WallSurface"}}],"values":[[null,0,1,1,1,1]]}}}}]}}}})", kCube));
+          "semantics":{{"surfaces":[{{"type":"RoofSurface"}},{{"type":"WallSurface"}}],"values":[[null,0,1,1,1,1]]}}}}]}}}})",
+      kCube));
   ASSERT_TRUE(model) << model.error().message;
   EXPECT_EQ(model->drawn_triangles(), 12u);
   EXPECT_EQ(model->materials.size(), 3u);
@@ -40,32 +45,37 @@ TEST_F(CityJsonTest, TakesTheFinestGeometryAndPartsInsteadOfTheWhole) {
   const auto model = read(fmt::format(
       R"({{"b":{{"type":"Building","children":["p"],"geometry":[{{"type":"MultiSurface","lod":"0","boundaries":[[[0,1,2,3]]]}}]}},
           "p":{{"type":"BuildingPart","parents":["b"],"geometry":[
-             {{"type":"MultiSurface","lod":1,"boundaries":[[[0,1,2]]]}},{{"type":"Solid","lod":"2.2","boundaries":[{}]}}]}}}})", kCube));
+             {{"type":"MultiSurface","lod":1,"boundaries":[[[0,1,2]]]}},{{"type":"Solid","lod":"2.2","boundaries":[{}]}}]}}}})",
+      kCube));
   ASSERT_TRUE(model);
   EXPECT_EQ(model->drawn_triangles(), 12u);
 }
 
 TEST_F(CityJsonTest, CutsHoles) {
-  const auto model = read_city_json(folder_.write("hole.json",
+  const auto model = read_city_json(folder_.write(
+      "hole.json",
       R"({"type":"CityJSON","version":"2.0","vertices":[[0,0,0],[4,0,0],[4,4,0],[0,4,0],[1,1,0],[1,3,0],[3,3,0],[3,1,0]],
           "CityObjects":{"r":{"type":"Road","geometry":[{"type":"MultiSurface","lod":"1","boundaries":[[[0,1,2,3],[4,5,6,7]]]}]}}})"));
   ASSERT_TRUE(model);
   double area = 0;
   const Mesh& mesh = model->meshes.at(0);
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const glm::vec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]], c = mesh.positions[mesh.indices[i + 2]];
+    const glm::vec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]],
+                    c = mesh.positions[mesh.indices[i + 2]];
     area += 0.5 * glm::length(glm::cross(b - a, c - a));
   }
   EXPECT_NEAR(area, 12, 1e-5);
 }
 
 TEST_F(CityJsonTest, ReadsSequencesWithVerticesOfTheirOwn) {
-  const auto model = read_city_json(folder_.write("tile.city.jsonl", fmt::format(
-      R"({{"type":"CityJSON","version":"1.1","CityObjects":{{}},"vertices":[],{}}}
+  const auto model = read_city_json(
+      folder_.write("tile.city.jsonl", fmt::format(
+                                           R"({{"type":"CityJSON","version":"1.1","CityObjects":{{}},"vertices":[],{}}}
 {{"type":"CityJSONFeature",{},"CityObjects":{{"a":{{"type":"Building","geometry":[{{"type":"Solid","lod":"1","boundaries":[{}]}}]}}}}}}
 
 {{"type":"CityJSONFeature","vertices":[[0,0,0],[5000,0,0],[0,5000,0]],"CityObjects":{{"b":{{"type":"WaterBody","geometry":[{{"type":"MultiSurface","lod":"1","boundaries":[[[0,1,2]]]}}]}}}}}}
-)", kTransform, kVertices, kCube)));
+)",
+                                           kTransform, kVertices, kCube)));
   ASSERT_TRUE(model) << model.error().message;
   EXPECT_EQ(model->drawn_triangles(), 13u);
 }

@@ -30,8 +30,9 @@ TEST(CleanModel, LeavesASoundModelAlone) {
 
 TEST(CleanModel, DropsAndCountsEachKindOfBrokenTriangle) {
   const float infinity = std::numeric_limits<float>::infinity(), nan = std::nanf("");
-  Model model = model_of({.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {infinity, 0, 0}, {0, nan, 0}, {3.4e38f, 0, 0}, {2, 0, 0}},
-                          .indices = {0, 1, 2, 0, 1, 3, 0, 1, 4, 0, 5, 2, 0, 1, 6, 1, 1, 2, 0, 1, 7, 0, 1, 0xffffffff}});
+  Model model = model_of(
+      {.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {infinity, 0, 0}, {0, nan, 0}, {3.4e38f, 0, 0}, {2, 0, 0}},
+       .indices = {0, 1, 2, 0, 1, 3, 0, 1, 4, 0, 5, 2, 0, 1, 6, 1, 1, 2, 0, 1, 7, 0, 1, 0xffffffff}});
   clean_model(model);
   EXPECT_EQ(model.drawn_triangles(), 1u);
   EXPECT_EQ(model.meshes[0].positions.size(), 3u) << "vertices nobody uses are gone, finite or not";
@@ -41,7 +42,8 @@ TEST(CleanModel, DropsAndCountsEachKindOfBrokenTriangle) {
 }
 
 TEST(CleanModel, KeepsSmallAndThinTriangles) {
-  Model model = model_of({.positions = {{0, 0, 0}, {1e-6f, 0, 0}, {0, 1e-6f, 0}, {1000, 0, 0}, {500, 1e-4f, 0}}, .indices = {0, 1, 2, 0, 3, 4}});
+  Model model = model_of({.positions = {{0, 0, 0}, {1e-6f, 0, 0}, {0, 1e-6f, 0}, {1000, 0, 0}, {500, 1e-4f, 0}},
+                          .indices = {0, 1, 2, 0, 3, 4}});
   clean_model(model);
   EXPECT_EQ(model.drawn_triangles(), 2u);
 }
@@ -62,8 +64,10 @@ TEST(CleanModel, CompactsEveryAttributeTogether) {
 
 TEST(CleanModel, MendsNormalsAndTextureCoordinates) {
   const float nan = std::nanf("");
-  Model model = model_of({.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .normals = {{0, 0, 0}, {nan, 0, 0}, {0, 0, 7}},
-                          .uvs = {{nan, 0}, {1, 1}, {0, 1}}, .indices = {0, 1, 2}});
+  Model model = model_of({.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                          .normals = {{0, 0, 0}, {nan, 0, 0}, {0, 0, 7}},
+                          .uvs = {{nan, 0}, {1, 1}, {0, 1}},
+                          .indices = {0, 1, 2}});
   clean_model(model);
   for (const glm::vec3& n : model.meshes[0].normals) EXPECT_EQ(n, glm::vec3(0, 0, 1));
   EXPECT_EQ(model.meshes[0].uvs[0], glm::vec2(0));
@@ -109,9 +113,22 @@ TEST(CleanModel, DropsMaterialsAndTexturesNobodyUses) {
   EXPECT_EQ(model.textures[0].name, "b");
 }
 
+TEST(CleanModel, MergesMaterialsThatLookTheSame) {
+  Model model = model_of({.material = 1, .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}});
+  model.materials = {{.name = "a"}, {.name = "b"}, {.name = "red", .base_colour = {255, 0, 0, 255}}};
+  model.meshes.push_back(model.meshes[0]);
+  model.meshes[1].material = 2;
+  model.instances.push_back({1, glm::dmat4(1)});
+  drop_unused_materials(model);
+  ASSERT_EQ(model.materials.size(), 2u);
+  EXPECT_EQ(model.materials[static_cast<std::size_t>(model.meshes[0].material)].name, "a");
+  EXPECT_EQ(model.materials[static_cast<std::size_t>(model.meshes[1].material)].name, "red");
+}
+
 TEST(WeldVertices, JoinsOnlyWhatIsTheSameInEverything) {
   Mesh mesh{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}},
-            .uvs = {{0, 0}, {1, 0}, {0, 1}, {0, 1}, {0.5f, 0}, {1, 1}}, .indices = {0, 1, 2, 3, 4, 5}};
+            .uvs = {{0, 0}, {1, 0}, {0, 1}, {0, 1}, {0.5f, 0}, {1, 1}},
+            .indices = {0, 1, 2, 3, 4, 5}};
   weld_vertices(mesh);
   EXPECT_EQ(mesh.positions.size(), 5u);
   EXPECT_THAT(mesh.indices, testing::ElementsAre(0, 1, 2, 2, 3, 4));

@@ -29,7 +29,8 @@ class ImportProcessTest : public testing::Test {
 TEST_F(ImportProcessTest, ACrashIsOneLineThatNamesTheFile) {
   const Error error = run("echo first >&2; echo 'assertion failed: x' >&2; kill -ABRT $$");
   EXPECT_EQ(error.code, ErrorCode::kBadData);
-  EXPECT_THAT(error.message, testing::StartsWith("some.ifc: the importer crashed on this file (Aborted: assertion failed: x)"));
+  EXPECT_THAT(error.message,
+              testing::StartsWith("some.ifc: the importer crashed on this file (Aborted: assertion failed: x)"));
 }
 
 TEST_F(ImportProcessTest, ItsOwnReasonIsPassedOn) {
@@ -40,7 +41,8 @@ TEST_F(ImportProcessTest, ItsOwnReasonIsPassedOn) {
 
 TEST_F(ImportProcessTest, BeingKilledMeansTooMuchMemory) {
   EXPECT_EQ(run("kill -KILL $$").code, ErrorCode::kLimitExceeded);
-  EXPECT_EQ(run("echo 'it needs more memory than the import process may use' >&2; exit 1").code, ErrorCode::kLimitExceeded);
+  EXPECT_EQ(run("echo 'it needs more memory than the import process may use' >&2; exit 1").code,
+            ErrorCode::kLimitExceeded);
 }
 
 TEST_F(ImportProcessTest, OneThatNeverEndsIsStopped) {

@@ -18,8 +18,10 @@ std::string base64(std::string_view bytes) {
   std::string text;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text.push_back(i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=');
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text.push_back(i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=');
   }
   return text;
 }
@@ -32,12 +34,15 @@ std::string gltf(std::uint16_t last_index, const std::string& material, const st
   binary.append(reinterpret_cast<const char*>(indices), sizeof(indices));
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],
     "nodes":[{"mesh":0},{"scale":[2,2,2],"children":[2,3]},{"mesh":0,"translation":[10,0,0]},{"mesh":0,"translation":[0,0,-5]}],
-    "materials":[)" + material + R"(],
+    "materials":[)" +
+         material + R"(],
     "meshes":[{"name":"quad","primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],
     "accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
-      {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"})" + extra_accessor + R"(],
+      {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"})" +
+         extra_accessor + R"(],
     "bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],
-    "buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" + base64(binary) + R"("}]})";
+    "buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
+         base64(binary) + R"("}]})";
 }
 
 class LoadModelTest : public testing::Test {
@@ -86,8 +91,10 @@ TEST_F(LoadModelTest, GltfGlassIsAbsent) {
 }
 
 TEST_F(LoadModelTest, Ply) {
-  const auto model = load("t.ply",
-      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+  const auto model = load(
+      "t.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
+      "red\n"
       "property uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
       "0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 51\n3 0 1 2\n");
   ASSERT_TRUE(model) << model.error().message;
@@ -99,7 +106,8 @@ TEST_F(LoadModelTest, Ply) {
 TEST_F(LoadModelTest, StlIsWelded) {
   std::string text = "solid s\n";
   for (const char* third : {"1 1 0", "0 1 0"}) {
-    text += std::string("facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex ") + (third[0] == '1' ? "1 0 0" : "1 1 0") + "\nvertex " + third + "\nendloop\nendfacet\n";
+    text += std::string("facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex ") +
+            (third[0] == '1' ? "1 0 0" : "1 1 0") + "\nvertex " + third + "\nendloop\nendfacet\n";
   }
   const auto model = load("t.stl", text + "endsolid s\n");
   ASSERT_TRUE(model) << model.error().message;
@@ -115,16 +123,20 @@ TEST_F(LoadModelTest, Off) {
 
 TEST_F(LoadModelTest, Ac3dWithCrease) {
   const auto model = load("t.ac",
-      "AC3Db\nMATERIAL \"m\" rgb 1 0.5 0 amb 1 1 1 emis 0 0 0 spec 0 0 0 shi 0 trans 0\nOBJECT world\nkids 1\nOBJECT poly\n"
-      "loc 5 0 0\nnumvert 4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\nnumsurf 1\nSURF 0x20\nmat 0\nrefs 4\n0 0 0\n1 0 0\n2 0 0\n3 0 0\nkids 0\n");
+                          "AC3Db\nMATERIAL \"m\" rgb 1 0.5 0 amb 1 1 1 emis 0 0 0 spec 0 0 0 shi 0 trans 0\nOBJECT "
+                          "world\nkids 1\nOBJECT poly\n"
+                          "loc 5 0 0\nnumvert 4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\nnumsurf 1\nSURF 0x20\nmat 0\nrefs 4\n0 0 "
+                          "0\n1 0 0\n2 0 0\n3 0 0\nkids 0\n");
   ASSERT_TRUE(model) << model.error().message;
   EXPECT_EQ(model->drawn_triangles(), 2u);
   EXPECT_EQ(model->bounds().max, glm::dvec3(6, 1, 0));
-  EXPECT_EQ(model->materials[static_cast<std::size_t>(model->meshes[0].material)].base_colour, glm::u8vec4(255, 128, 0, 255));
+  EXPECT_EQ(model->materials[static_cast<std::size_t>(model->meshes[0].material)].base_colour,
+            glm::u8vec4(255, 128, 0, 255));
 }
 
 TEST_F(LoadModelTest, ColladaBringsItsUpAxis) {
-  const auto model = load("t.dae", R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+  const auto model = load(
+      "t.dae", R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>
 <library_geometries><geometry id="g"><mesh><source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 0 2</float_array>
 <technique_common><accessor source="#pa" count="3" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
@@ -138,7 +150,8 @@ TEST_F(LoadModelTest, ColladaBringsItsUpAxis) {
 }
 
 TEST_F(LoadModelTest, UnitsUpAndShiftWorkInDouble) {
-  const std::string text = "v 84616468 447423001 -15002\nv 84617468 447423001 -15002\nv 84616468 447424001 -15002\nf 1 2 3\n";
+  const std::string text =
+      "v 84616468 447423001 -15002\nv 84617468 447423001 -15002\nv 84616468 447424001 -15002\nf 1 2 3\n";
   const auto model = load("mm.obj", text, {.metres_per_unit = 0.001, .up = "z", .shift = {-84616, 0, 447423}});
   ASSERT_TRUE(model) << model.error().message;
   const Box box = model->bounds();
@@ -180,24 +193,31 @@ TEST_F(LoadModelTest, FilesThatAreNotWhatTheySay) {
 }
 
 TEST_F(LoadModelTest, HeadersThatPromiseTooMuch) {
-  EXPECT_THAT(failure("t.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0"),
+  EXPECT_THAT(failure("t.ply",
+                      "ply\nformat binary_little_endian 1.0\nelement vertex 1000000000\nproperty float x\nproperty "
+                      "float y\nproperty float z\nend_header\n0 0 0"),
               HasSubstr("claims 1000000000 elements, which need at least 12000000000 bytes"));
-  EXPECT_THAT(failure("t.off", "OFF\n1000000000 1000000000 0\n0 0 0\n"), HasSubstr("claims 2000000000 vertices and faces"));
+  EXPECT_THAT(failure("t.off", "OFF\n1000000000 1000000000 0\n0 0 0\n"),
+              HasSubstr("claims 2000000000 vertices and faces"));
   std::string stl(84, '\0');
   stl[83] = 0x40;
   EXPECT_THAT(failure("t.stl", stl), HasSubstr("claims 1073741824 triangles"));
-  EXPECT_THAT(failure("t.gltf", gltf(3, "{}", R"(,{"bufferView":0,"componentType":5126,"count":1000000000,"type":"VEC3"})")),
-              HasSubstr("accessor 2 claims 1000000000 elements"));
-  EXPECT_THAT(failure("t.glb", std::string("glTF\2\0\0\0\xff\xff\0\0\4\0\0\0JSON{}  ", 24)), HasSubstr("claims 65535 bytes but the file has 24"));
+  EXPECT_THAT(
+      failure("t.gltf", gltf(3, "{}", R"(,{"bufferView":0,"componentType":5126,"count":1000000000,"type":"VEC3"})")),
+      HasSubstr("accessor 2 claims 1000000000 elements"));
+  EXPECT_THAT(failure("t.glb", std::string("glTF\2\0\0\0\xff\xff\0\0\4\0\0\0JSON{}  ", 24)),
+              HasSubstr("claims 65535 bytes but the file has 24"));
   EXPECT_THAT(failure("t.ifc", "ISO-10303-21;\nHEADER;\n"), HasSubstr("end mark"));
 }
 
 TEST_F(LoadModelTest, MissingDataFileIsNamed) {
-  EXPECT_THAT(failure("t.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":9,"uri":"gone.bin"}]})"), HasSubstr("gone.bin is not beside it"));
+  EXPECT_THAT(failure("t.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":9,"uri":"gone.bin"}]})"),
+              HasSubstr("gone.bin is not beside it"));
 }
 
 TEST_F(LoadModelTest, TrianglesThatAreAllBrokenAreAnError) {
-  EXPECT_THAT(failure("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), HasSubstr("every triangle is broken (dropped triangles with vertices that are not finite"));
+  EXPECT_THAT(failure("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+              HasSubstr("every triangle is broken (dropped triangles with vertices that are not finite"));
 }
 
 TEST_F(LoadModelTest, TooLittleMemoryIsOneLine) {

@@ -16,9 +16,15 @@ Model small_model() {
   model.name = "small";
   model.warnings = {"one", "two"};
   model.textures.push_back({.width = 2, .height = 1, .rgba = {1, 2, 3, 4, 5, 6, 7, 8}, .name = "t"});
-  model.materials.push_back({.name = "m", .base_colour = {9, 8, 7, 6}, .texture = 0, .is_alpha_masked = true, .alpha_cutoff = 0.25f});
-  model.meshes.push_back({.name = "mesh", .material = 0, .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
-                          .uvs = {{0, 0}, {1, 0}, {0, 1}}, .colours = {glm::u8vec4(1), glm::u8vec4(2), glm::u8vec4(3)}, .indices = {0, 1, 2}});
+  model.materials.push_back(
+      {.name = "m", .base_colour = {9, 8, 7, 6}, .texture = 0, .is_alpha_masked = true, .alpha_cutoff = 0.25f});
+  model.meshes.push_back({.name = "mesh",
+                          .material = 0,
+                          .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                          .normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
+                          .uvs = {{0, 0}, {1, 0}, {0, 1}},
+                          .colours = {glm::u8vec4(1), glm::u8vec4(2), glm::u8vec4(3)},
+                          .indices = {0, 1, 2}});
   glm::dmat4 place(1);
   place[3] = {84616.468, 447423.001, -15.125, 1};
   model.instances = {{0, glm::dmat4(1)}, {0, place}};
@@ -86,7 +92,9 @@ TEST(ModelStream, RandomDamageKeepsThePromises) {
   }
 }
 
-TEST(ModelStream, AFullDiskIsAnError) { EXPECT_FALSE(write_model_stream(small_model(), -1)); }
+TEST(ModelStream, AFullDiskIsAnError) {
+  EXPECT_FALSE(write_model_stream(small_model(), -1));
+}
 
 }  // namespace
 }  // namespace farfield

@@ -35,13 +35,15 @@ TEST_F(ObjReaderTest, ReadsPolygonsWithEveryFormOfReference) {
 }
 
 TEST_F(ObjReaderTest, GeoreferencedCoordinatesLoseNothing) {
-  const glm::dvec3 corners[] = {{84616.468, 447423.001, -15.002}, {84617.127, 447423.999, 3.5}, {84616.5, 447430.003, 0.125}};
+  const glm::dvec3 corners[] = {
+      {84616.468, 447423.001, -15.002}, {84617.127, 447423.999, 3.5}, {84616.5, 447430.003, 0.125}};
   std::string text;
   for (const glm::dvec3& c : corners) text += fmt::format("v {:.3f} {:.3f} {:.3f}\n", c.x, c.y, c.z);
   const Model model = read(text + "f 1 2 3\n");
   ASSERT_EQ(model.instances.size(), 1u);
   for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 world(model.instances[0].world_from_mesh * glm::dvec4(model.meshes[0].positions[static_cast<std::size_t>(i)], 1));
+    const glm::dvec3 world(model.instances[0].world_from_mesh *
+                           glm::dvec4(model.meshes[0].positions[static_cast<std::size_t>(i)], 1));
     // Floats of magnitude below 16 are 2^-20 apart: half of that is the error allowed.
     EXPECT_LT(glm::length(world - corners[i]), 1.0 / (1 << 19)) << i;
   }
@@ -62,7 +64,8 @@ TEST_F(ObjReaderTest, TriangulatesConcavePolygons) {
   double area = 0;
   const Mesh& mesh = model.meshes[0];
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const glm::vec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]], c = mesh.positions[mesh.indices[i + 2]];
+    const glm::vec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]],
+                    c = mesh.positions[mesh.indices[i + 2]];
     area += 0.5 * glm::length(glm::cross(b - a, c - a));
   }
   EXPECT_NEAR(area, 2.5, 1e-6);
@@ -76,9 +79,12 @@ TEST_F(ObjReaderTest, ReadsMaterialsAndTheirTextures) {
                 "newmtl red\nKd 1 0 0\nd 0.25\nnewmtl wall\nKd 0 0 0\nmap_Kd -s 1 1 1 -clamp on maps\\wall one.png\n"
                 "newmtl lost\nTr 0\nmap_Kd nowhere.png\n");
   const Model model = read(
-      "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl red\nf 1 2 3\nusemtl wall\nf 1 2 3\nusemtl lost\nf 3 2 1\nusemtl none\nf 1 3 2\n");
+      "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl red\nf 1 2 3\nusemtl wall\nf 1 2 3\nusemtl lost\nf 3 2 "
+      "1\nusemtl none\nf 1 3 2\n");
   ASSERT_EQ(model.meshes.size(), 4u);
-  const auto material = [&](std::size_t mesh) { return model.materials[static_cast<std::size_t>(model.meshes[mesh].material)]; };
+  const auto material = [&](std::size_t mesh) {
+    return model.materials[static_cast<std::size_t>(model.meshes[mesh].material)];
+  };
   EXPECT_EQ(material(0).base_colour, glm::u8vec4(255, 0, 0, 64));
   EXPECT_TRUE(material(0).is_alpha_masked);
   ASSERT_EQ(material(1).texture, 0);
@@ -91,7 +97,8 @@ TEST_F(ObjReaderTest, ReadsMaterialsAndTheirTextures) {
 
 TEST_F(ObjReaderTest, ToleratesWhatIsBroken) {
   const Model model = read(
-      "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 x\nv 0 1\nf 1 2 9\nf 1 0 2\nf 1 2\nl 1 2\np 1\nf 1 2 \\\n 4\nf a b c\nv\n");
+      "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 x\nv 0 1\nf 1 2 9\nf 1 0 2\nf 1 2\nl 1 2\np 1\nf 1 2 \\\n 4\nf a b "
+      "c\nv\n");
   EXPECT_EQ(model.drawn_triangles(), 1u) << "the continued line";
   EXPECT_THAT(model.warnings, Contains(HasSubstr("gone.mtl")));
   EXPECT_THAT(model.warnings, Contains("dropped faces that name missing vertices (the first in line 6): 3"));

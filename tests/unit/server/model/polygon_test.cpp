@@ -22,7 +22,8 @@ glm::dvec3 ring_area(const std::vector<glm::dvec3>& p, const Ring& ring) {
 }
 
 /// Every triangle must have the polygon's orientation, and their areas must add up to `area`: then they tile it.
-void expect_tiling(const std::vector<glm::dvec3>& points, const Ring& triangles, double area, const glm::dvec3& normal) {
+void expect_tiling(const std::vector<glm::dvec3>& points, const Ring& triangles, double area,
+                   const glm::dvec3& normal) {
   ASSERT_EQ(triangles.size() % 3, 0u);
   double sum = 0;
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
@@ -80,7 +81,8 @@ TEST(Polygon, LeavesHolesOpenWhateverTheirWinding) {
   for (const glm::dvec2 corner : {glm::dvec2(1, 1), {6, 1}, {1, 6}, {6, 6.5}}) {
     const auto base = static_cast<std::uint32_t>(points.size());
     for (const glm::dvec2 d : {glm::dvec2(0, 0), {2, 0}, {2, 2}, {0, 2}}) points.emplace_back(corner + d, 0);
-    rings.push_back(rings.size() % 2 ? Ring{base, base + 1, base + 2, base + 3} : Ring{base + 3, base + 2, base + 1, base});
+    rings.push_back(rings.size() % 2 ? Ring{base, base + 1, base + 2, base + 3}
+                                     : Ring{base + 3, base + 2, base + 1, base});
   }
   Ring triangles;
   triangulate_polygon_with_holes(points, rings, triangles);
@@ -99,7 +101,8 @@ TEST(Polygon, TilesAroundGridsOfHoles) {
     const auto add_box = [&](double x, double y, double w, double h) {
       const auto base = static_cast<std::uint32_t>(points.size());
       for (const glm::dvec2 p : {glm::dvec2(x, y), {x + w, y}, {x + w, y + h}, {x, y + h}}) {
-        points.emplace_back(p.x * std::cos(tilt) - p.y * std::sin(tilt), p.x * std::sin(tilt) + p.y * std::cos(tilt), 1);
+        points.emplace_back(p.x * std::cos(tilt) - p.y * std::sin(tilt), p.x * std::sin(tilt) + p.y * std::cos(tilt),
+                            1);
       }
       rings.push_back({base, base + 1, base + 2, base + 3});
       area += rings.size() == 1 ? w * h : -w * h;

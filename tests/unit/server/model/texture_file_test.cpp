@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 // jpeglib.h needs FILE to be declared before it.
-#include <cstdio>
 #include <jpeglib.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <random>
 
@@ -86,7 +86,8 @@ TEST(TextureFile, DamageNeverDoesHarm) {
       const Result<TextureImage> image = decode_texture(damaged);
       if (!image) continue;
       EXPECT_LE(image->width, kMaxTextureFileEdge);
-      EXPECT_EQ(image->rgba.size(), std::size_t{4} * static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height));
+      EXPECT_EQ(image->rgba.size(),
+                std::size_t{4} * static_cast<std::size_t>(image->width) * static_cast<std::size_t>(image->height));
     }
   }
 }
@@ -119,7 +120,8 @@ TEST(TextureFile, AveragesInLinearLight) {
 
 TEST(TextureFile, SaysWhatItCannotRead) {
   const TemporaryFolder folder;
-  EXPECT_THAT(read_texture_file(folder.write("a.tga", "nothing")).error().message, testing::HasSubstr("neither PNG nor JPEG"));
+  EXPECT_THAT(read_texture_file(folder.write("a.tga", "nothing")).error().message,
+              testing::HasSubstr("neither PNG nor JPEG"));
   EXPECT_EQ(read_texture_file(folder.path() / "none.png").error().code, ErrorCode::kNotFound);
   EXPECT_FALSE(encode_png(TextureImage{}));
 }

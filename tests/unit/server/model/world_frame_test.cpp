@@ -8,7 +8,9 @@
 namespace farfield {
 namespace {
 
-glm::dvec3 placed(const glm::dmat4& world, glm::dvec3 p) { return glm::dvec3(world * glm::dvec4(p, 1)); }
+glm::dvec3 placed(const glm::dmat4& world, glm::dvec3 p) {
+  return glm::dvec3(world * glm::dvec4(p, 1));
+}
 
 TEST(WorldFrame, TurnsTheUpAxisIntoY) {
   EXPECT_EQ(placed(*world_from_file(1, "y", {0, 0, 0}), {1, 2, 3}), glm::dvec3(1, 2, 3));

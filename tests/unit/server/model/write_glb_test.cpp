@@ -16,14 +16,26 @@ namespace {
 Model two_meshes() {
   Model model;
   model.name = "pair";
-  model.textures.push_back({.width = 2, .height = 2, .rgba = {255, 0, 0, 255, 0, 255, 0, 0, 0, 0, 255, 255, 9, 9, 9, 255}, .name = "paint"});
+  model.textures.push_back(
+      {.width = 2, .height = 2, .rgba = {255, 0, 0, 255, 0, 255, 0, 0, 0, 0, 255, 255, 9, 9, 9, 255}, .name = "paint"});
   model.textures.push_back({.width = 1, .height = 1, .rgba = {1, 2, 3, 255}, .name = "dot"});
-  model.materials.push_back({.name = "masked", .base_colour = {10, 128, 250, 255}, .texture = 0, .is_alpha_masked = true, .alpha_cutoff = 0.25f});
+  model.materials.push_back({.name = "masked",
+                             .base_colour = {10, 128, 250, 255},
+                             .texture = 0,
+                             .is_alpha_masked = true,
+                             .alpha_cutoff = 0.25f});
   model.materials.push_back({.name = "plain", .texture = 1});
-  model.meshes.push_back({.name = "a", .material = 0, .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
-                          .uvs = {{0, 0}, {1, 0.25f}, {0, -3}}, .indices = {0, 1, 2}});
-  model.meshes.push_back({.name = "b", .material = 1, .positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}},
-                          .colours = {{1, 2, 3, 255}, {50, 100, 150, 255}, {255, 254, 253, 255}, {0, 17, 99, 255}}, .indices = {0, 1, 2, 0, 2, 3}});
+  model.meshes.push_back({.name = "a",
+                          .material = 0,
+                          .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                          .normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
+                          .uvs = {{0, 0}, {1, 0.25f}, {0, -3}},
+                          .indices = {0, 1, 2}});
+  model.meshes.push_back({.name = "b",
+                          .material = 1,
+                          .positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}},
+                          .colours = {{1, 2, 3, 255}, {50, 100, 150, 255}, {255, 254, 253, 255}, {0, 17, 99, 255}},
+                          .indices = {0, 1, 2, 0, 2, 3}});
   const glm::dmat4 shifted = glm::translate(glm::dmat4(1), glm::dvec3(10, 20.5, -30));
   model.instances = {{0, glm::dmat4(1)}, {1, shifted}, {1, glm::rotate(shifted, 0.5, glm::dvec3(0, 1, 0))}};
   return model;
