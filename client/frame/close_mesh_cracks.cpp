@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "common/shading/shading.h"
 
@@ -19,15 +20,23 @@ struct Closed {
   float disparity = 0;
 };
 
+/// The first column in [from, end) that nothing covers, or `end`. Most rows have none: memchr skips 64 at a time.
+std::size_t next_uncovered(const Coverage* row, std::size_t from, std::size_t end) {
+  if (from >= end) return end;
+  const void* found = std::memchr(row + from, static_cast<int>(Coverage::kBackground), end - from);
+  return found ? static_cast<std::size_t>(static_cast<const Coverage*>(found) - row) : end;
+}
+
 }  // namespace
 
 std::uint64_t close_mesh_cracks(Frame& frame) {
   const std::size_t width = static_cast<std::size_t>(frame.width);
+  if (width < 3) return 0;
   std::vector<Closed> closed;  // applied at the end: a closed crack must not close its neighbour
   for (std::size_t y = 1; y + 1 < static_cast<std::size_t>(frame.height); ++y) {
-    for (std::size_t x = 1; x + 1 < width; ++x) {
+    const Coverage* row = frame.coverage.data() + y * width;
+    for (std::size_t x = next_uncovered(row, 1, width - 1); x < width - 1; x = next_uncovered(row, x + 1, width - 1)) {
       const std::size_t at = y * width + x;
-      if (frame.coverage[at] != Coverage::kBackground) continue;
       for (const std::size_t step : {std::size_t{1}, width, width + 1, width - 1}) {
         const std::size_t a = at - step, b = at + step;
         if (frame.coverage[a] != Coverage::kImpostor || frame.coverage[b] != Coverage::kImpostor) continue;
