@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/app/client_program.h"
 
+#include <atomic>
+#include <memory>
+#include <optional>
 #include <ostream>
 
 #include "client/app/frame_writer.h"
@@ -175,11 +178,14 @@ Result<RunReport> walk(Parts& parts) {
 int run_client(int argument_count, const char* const* arguments, std::ostream& out, std::ostream& talk) {
   const tl::expected<ProgramOptions, int> options = parse_options(argument_count, arguments, out, talk);
   if (!options) return options.error();
-  const InterruptWatch interrupts;
-  Parts parts{*options, talk, interrupts.is_interrupted()};
+  // The window ends by its own keys, and by the signal's own way where it has to.
+  std::optional<InterruptWatch> interrupts;
+  if (!options->is_window) interrupts.emplace();
+  const std::atomic<bool> never{false};
+  Parts parts{*options, talk, interrupts ? interrupts->is_interrupted() : never};
   const Result<RunReport> report = walk(parts);
   if (report) write_report(*report, options->is_json, out);
-  if (interrupts.is_interrupted()) return kExitInterrupted;
+  if (parts.is_interrupted) return kExitInterrupted;
   if (report) return 0;
   talk << "farfield-client: " << report.error().message << '\n';
   return report.error().code == ErrorCode::kInvalidArgument ? kExitUsage : kExitFailure;

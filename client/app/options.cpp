@@ -28,6 +28,7 @@ constexpr const char* kFooter =
 
 constexpr int kSmallestEdgePx = 16;
 constexpr int kLargestEdgePx = 8192;
+constexpr std::size_t kLeastMemory = std::size_t{1} << 20;
 
 /// "1280x720".
 std::string parse_size(const std::string& text, Display& display) {
@@ -91,6 +92,7 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
       {"auto", RendererChoice::kAuto}, {"cpu", RendererChoice::kCpu}, {"gl", RendererChoice::kGl}};
   app.add_option("--renderer", options.renderer, "Impostors on the cpu or by gl; auto: gl where there is a GPU")
       ->transform(CLI::CheckedTransformer(renderers))
+      ->type_name("auto|cpu|gl")
       ->envname("FARFIELD_RENDERER")
       ->default_str("auto");
   app.add_option("--samples", options.samples_per_pixel, "Samples per pixel")->check(CLI::IsMember({1, 4}))->capture_default_str();
@@ -122,6 +124,10 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   const Result<LinkModel> model = link.empty() ? Result<LinkModel>(LinkModel{}) : parse_link_model(link);
   if (!endpoint || !model) {
     talk << (endpoint ? "--link: " + model.error().message : "--connect: " + endpoint.error().message) << '\n';
+    return tl::unexpected(kExitUsage);
+  }
+  if (options.memory_bytes < kLeastMemory) {
+    talk << "--memory: " << options.memory_bytes << " bytes hold nothing; give at least 1MiB\n";
     return tl::unexpected(kExitUsage);
   }
   options.server = *endpoint;

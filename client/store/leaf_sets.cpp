@@ -105,10 +105,10 @@ bool LeafSets::update(bool with_refinement) {
   shown_ = chosen;
   if (is_switch) assign_roles();
   is_stale_ = false;
+  // A set of which nothing could be kept, by a tiny budget or bad payloads, leaves the last picture on the screen;
+  // one that truly holds nothing is shown as that.
   std::shared_ptr<const LeafView> next = shown_->view(store_, frame_);
-  // A set squeezed to nothing by a tiny budget leaves its last picture on the screen.
-  const bool is_empty = next->tiles.empty() && next->chunks.empty() && !shown_->needs().empty();
-  if (is_empty && view_) return false;
+  if (view_ && shown_->is_reduced() && next->tiles.empty() && next->chunks.empty()) return false;
   view_ = std::move(next);
   return true;
 }

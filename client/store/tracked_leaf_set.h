@@ -32,6 +32,8 @@ class TrackedLeafSet {
   std::size_t missing() const { return missing_.size(); }
   bool is_missing(ContentHash item) const { return missing_.contains(item); }
   std::size_t held() const { return needs_.size() - missing_.size() - abandoned_.size(); }
+  /// Something it needs was abandoned.
+  bool is_reduced() const { return !abandoned_.empty(); }
   /// How early `item` is wanted: near geometry first, then tiles from the nearest shell outwards. Requires: is_needed(item).
   std::size_t rank(ContentHash item) const { return ranks_.at(item); }
   /// The server has sent everything it will send for this set.

@@ -17,22 +17,10 @@ using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 using namespace std::chrono_literals;
 
-/// A tile of one splat, whatever the bytes; an error for the byte 0xff.
-Result<Tile> tiny_tile(ByteView bytes) {
+/// A tiny tile for any bytes but 0xff.
+Result<Tile> decode_tiny(ByteView bytes) {
   if (bytes[0] == 0xff) return fail(ErrorCode::kBadData, "not a tile");
-  Tile tile;
-  tile.id = {made::leaf_at(0), 1, 0, 0, 0};
-  tile.edge_samples = face_samples(2);
-  tile.width = kPackedColumns * kBlockSamples;
-  tile.height = kBlockSamples;
-  tile.blocks = {{0, 0}};
-  tile.coverage.assign(tile.samples(), 0);
-  tile.coverage[0] = 1;
-  tile.disparity.assign(tile.samples(), 0.1f);
-  tile.rgb.assign(3 * tile.samples(), 7);
-  tile.cut_right.assign(tile.samples(), 0);
-  tile.cut_down.assign(tile.samples(), 0);
-  return tile;
+  return made::tiny_tile(made::leaf_at(0));
 }
 
 class ClientCoreTest : public ::testing::Test {
@@ -43,7 +31,7 @@ class ClientCoreTest : public ::testing::Test {
     options.scene = "made up";
     options.form = DecodeForm::kSplats;
     options.decode_threads = 1;
-    options.tile_decoder = tiny_tile;
+    options.tile_decoder = decode_tiny;
     return options;
   }
   void start(const ClientOptions& with) {

@@ -58,6 +58,9 @@ class FakeServer {
   void answer_hello_with(Bytes raw) { raw_answer_ = std::move(raw); }
   void answer_hello_with(OutgoingFrame frame) { frame_answer_ = std::move(frame); }
 
+  /// Called on the server's thread for every pose. Set it before a client connects.
+  void on_pose(std::function<void(const wire::Pose&)> react) { on_pose_ = std::move(react); }
+
   // ── what the client has sent ──
   template <class Message>
   std::vector<Message> received(MessageType type) const {
@@ -162,6 +165,7 @@ class FakeServer {
       pong.set_time_s(ping.time_s());
       connection_->send(make_message(MessageType::kPong, pong));
     }
+    if (frame.is(MessageType::kPose) && on_pose_) on_pose_(*parse_message<wire::Pose>(frame));
     if (frame.is(MessageType::kBye)) connection_->close({ErrorCode::kCancelled, "bye"});
     const std::lock_guard lock(mutex_);
     frames_.push_back(std::move(frame));
@@ -173,6 +177,7 @@ class FakeServer {
   wire::Welcome welcome_;
   std::optional<Bytes> raw_answer_;
   std::optional<OutgoingFrame> frame_answer_;
+  std::function<void(const wire::Pose&)> on_pose_;
   std::shared_ptr<Connection> connection_;
   mutable std::mutex mutex_;  // guards frames_
   mutable std::condition_variable changed_;

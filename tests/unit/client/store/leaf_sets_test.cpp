@@ -130,6 +130,30 @@ TEST_F(LeafSetsTest, AnEmptyTileCountsAsHeld) {
   EXPECT_THAT(sets.store().held_payloads(10), UnorderedElementsAre(1, 2));
 }
 
+TEST_F(LeafSetsTest, OpenSkyIsShownAsSuch) {
+  show(1, 0, {1});
+  sets.set_eye(made::eye_in(1));
+  sets.announce(made::leaf_set(2, 1, {2}));
+  sets.receive_empty({PayloadKind::kTile, 2, 0, 0});
+  sets.update(true);
+  EXPECT_TRUE(shows(1));
+  EXPECT_TRUE(sets.view()->tiles.empty());
+  sets.set_eye(made::eye_in(2));
+  sets.announce(made::leaf_set(3, 2, {}));  // nothing to draw at all
+  sets.update(true);
+  EXPECT_TRUE(shows(2));
+}
+
+TEST_F(LeafSetsTest, ASetOfWhichNothingDecodesLeavesTheLastPicture) {
+  show(1, 0, {1});
+  sets.set_eye(made::eye_in(1));
+  sets.announce(made::leaf_set(2, 1, {2}));
+  sets.abandon({PayloadKind::kTile, 2, 0, 0});
+  sets.update(true);
+  EXPECT_TRUE(shows(0));
+  EXPECT_FALSE(sets.view()->tiles.empty());
+}
+
 TEST_F(LeafSetsTest, TheOldSetServesOneSideOutsideThenTheFallbackTakesOver) {
   show(1, 0, {1});
   sets.set_eye(made::eye_in(1));  // half a side outside

@@ -53,6 +53,23 @@ inline DecodedPayload chunk(ContentHash hash, std::size_t bytes = kTileBytes) {
   return payload;
 }
 
+/// A packed tile of one splat: the smallest there is.
+inline Tile tiny_tile(const CellId& cell) {
+  Tile tile;
+  tile.id = {cell, 1, 0, 0, 0};
+  tile.edge_samples = face_samples(2);
+  tile.width = tile.height = kBlockSamples;
+  tile.blocks = {{0, 0}};
+  tile.coverage.assign(tile.samples(), 0);
+  tile.coverage[0] = 1;
+  tile.disparity.assign(tile.samples(), 0.1f);
+  tile.rgb.assign(3 * tile.samples(), 7);
+  tile.cut_right.assign(tile.samples(), 0);
+  tile.cut_down.assign(tile.samples(), 0);
+  tile.disparity_tolerance = 1e-3f;
+  return tile;
+}
+
 /// A level of edge·edge texels.
 inline DecodedPayload texture_level(ContentHash texture, int level, int edge) {
   DecodedPayload payload;
