@@ -15,7 +15,7 @@ Result<CompleteFile> CompleteFile::create(const std::filesystem::path& path) {
     return fail(ErrorCode::kIo, "{}: is a folder; name a file to write", path.string());
   }
   std::filesystem::path partial = path;
-  partial += ".partial-" + std::to_string(getpid());
+  partial += fmt::format(".partial-{}", getpid());
   std::FILE* file = std::fopen(partial.c_str(), "wbe");
   if (!file) return fail(ErrorCode::kIo, "{}: cannot be written: {}", path.string(), std::strerror(errno));
   return CompleteFile(path, std::move(partial), file);

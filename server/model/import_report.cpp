@@ -20,7 +20,7 @@ std::uint64_t peak_bytes(int who) {
 /// 1354234 as "1,354,234".
 std::string grouped(std::size_t value) {
   std::string digits = std::to_string(value);
-  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, 1, ',');
   return digits;
 }
 

@@ -87,7 +87,7 @@ Result<Model> load_model(const std::string& scene_argument, const LoadOptions& o
     const std::string why = is_all_clear    ? "every triangle is see-through"
                             : had_triangles ? "every triangle is broken"
                                             : "the file holds no triangles";
-    const std::string detail = model.warnings.empty() ? "" : " (" + model.warnings.back() + ")";
+    const std::string detail = model.warnings.empty() ? "" : fmt::format(" ({})", model.warnings.back());
     return fail(ErrorCode::kBadData, "{}: nothing to show: {}{}; check the export", scene_argument, why, detail);
   }
   return model;
