@@ -44,8 +44,8 @@ std::uint64_t close_mesh_cracks(Frame& frame) {
         if (std::fabs(da - db) > kSimilar * std::max(da, db)) continue;
         Closed c{at, {}, 0.5f * (da + db)};
         for (std::size_t i = 0; i < 3; ++i) {
-          c.colour[i] = linear_to_srgb(
-              0.5f * (srgb_to_linear(frame.rgba[4 * a + i]) + srgb_to_linear(frame.rgba[4 * b + i])));
+          c.colour[i] =
+              linear_to_srgb(0.5f * (srgb_to_linear(frame.rgba[4 * a + i]) + srgb_to_linear(frame.rgba[4 * b + i])));
         }
         closed.push_back(c);
         break;

@@ -48,13 +48,13 @@ struct FrameRenderer::State {
   Renderer renderer = Renderer::kCpu;
   Display display;
   FrameOptions options;
-  std::unique_ptr<GlContext> own_context;   // destroyed last
+  std::unique_ptr<GlContext> own_context;  // destroyed last
   GlAbilities abilities;
   Framebuffer target;
   std::unique_ptr<NearRenderer> near;
-  std::unique_ptr<ImpostorRenderer> impostors;   // kGl
-  std::unique_ptr<CpuWarper> warper;             // kCpu
-  std::vector<std::uint8_t> colour;              // read back
+  std::unique_ptr<ImpostorRenderer> impostors;  // kGl
+  std::unique_ptr<CpuWarper> warper;            // kCpu
+  std::vector<std::uint8_t> colour;             // read back
   std::vector<float> depth;
   std::shared_ptr<const LeafView> drawn;
 
@@ -117,7 +117,8 @@ void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Fram
   frame.statistics = {};
   resolve_gl_frame({display.width, display.height, colour, depth, near_plane},
                    {leaf.background,
-                    {leaf.background_visible ? leaf.sky : DirectionMask(), glm::dmat3(glm::mat3_cast(eye.world_from_camera)), display}},
+                    {leaf.background_visible ? leaf.sky : DirectionMask(),
+                     glm::dmat3(glm::mat3_cast(eye.world_from_camera)), display}},
                    frame);
   frame.statistics.triangles_drawn = report.impostors.triangles;
   frame.statistics.tiles_drawn = report.impostors.tiles_drawn;
@@ -157,7 +158,9 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, 
   return result;
 }
 
-Status FrameRenderer::resize(const Display& display) { return state_->make_target(display); }
+Status FrameRenderer::resize(const Display& display) {
+  return state_->make_target(display);
+}
 
 FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Pose& eye, Frame& frame) {
   State& s = *state_;
@@ -193,7 +196,11 @@ FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Po
   return report;
 }
 
-const Display& FrameRenderer::display() const { return state_->display; }
-const GlAbilities& FrameRenderer::abilities() const { return state_->abilities; }
+const Display& FrameRenderer::display() const {
+  return state_->display;
+}
+const GlAbilities& FrameRenderer::abilities() const {
+  return state_->abilities;
+}
 
 }  // namespace farfield::client

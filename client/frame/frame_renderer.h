@@ -23,8 +23,8 @@ enum class Renderer {
 };
 
 struct FrameOptions {
-  int samples_per_pixel = 1;   // or 4: 2×2 on the CPU, multisamples in OpenGL
-  int cpu_threads = 0;         // of the CPU warper; 0: one per core
+  int samples_per_pixel = 1;  // or 4: 2×2 on the CPU, multisamples in OpenGL
+  int cpu_threads = 0;        // of the CPU warper; 0: one per core
   /// Bytes of impostors uploaded per frame (kGl). A new leaf set is shown once it is uploaded; until then the one
   /// before it. Unlimited where every frame must show its own leaf set (lockstep).
   std::size_t frame_upload_bytes = std::numeric_limits<std::size_t>::max();
@@ -35,18 +35,18 @@ struct FrameOptions {
 
 /// Milliseconds by part; each part ends with its results in memory.
 struct FrameTimes {
-  double near_ms = 0;        // upload and draw near geometry
-  double impostors_ms = 0;   // upload and draw impostors (kCpu: with cracks and voids)
+  double near_ms = 0;       // upload and draw near geometry
+  double impostors_ms = 0;  // upload and draw impostors (kCpu: with cracks and voids)
   double read_back_ms = 0;
-  double resolve_ms = 0;     // kGl: classes, cracks, voids
-  double total_ms = 0;       // from the pose to the finished image
+  double resolve_ms = 0;  // kGl: classes, cracks, voids
+  double total_ms = 0;    // from the pose to the finished image
 };
 
 struct FrameReport {
   NearStatistics near;
-  ImpostorStatistics impostors;   // kGl
+  ImpostorStatistics impostors;  // kGl
   FrameTimes times;
-  bool is_previous_leaf = false;  // the new leaf set is still being uploaded
+  bool is_previous_leaf = false;          // the new leaf set is still being uploaded
   std::shared_ptr<const LeafView> drawn;  // null: background only
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 struct PartialPixel {
   std::size_t at = 0;
-  float share = 1;      // of its samples that are covered
+  float share = 1;  // of its samples that are covered
 };
 
 /// Fully covered pixels get their class at once; all others count as uncovered until cracks and voids are decided.
@@ -44,8 +44,8 @@ bool classify_row(const std::uint32_t* pixels, const float* depth, std::size_t w
 
 std::vector<PartialPixel> classify(const GlImage& image, const GlResolveOptions& options, Frame& frame) {
   const auto width = static_cast<std::size_t>(image.width);
-  const std::uint32_t background = options.background.r | std::uint32_t{options.background.g} << 8 |
-                                   std::uint32_t{options.background.b} << 16;
+  const std::uint32_t background =
+      options.background.r | std::uint32_t{options.background.g} << 8 | std::uint32_t{options.background.b} << 16;
   std::vector<std::vector<PartialPixel>> partial(static_cast<std::size_t>(image.height));
   tbb::parallel_for(0, image.height, [&](int y) {
     const std::size_t begin = static_cast<std::size_t>(y) * width;

@@ -13,15 +13,15 @@ namespace farfield::client {
 
 struct GlImage {
   int width = 0, height = 0;
-  std::span<const std::uint8_t> rgba;   // sRGB over black; alpha: kNearAlpha, kImpostorAlpha or 0 per sample, averaged
-  std::span<const float> depth;         // near_plane / z, of one of the pixel's samples; 0: nothing
+  std::span<const std::uint8_t> rgba;  // sRGB over black; alpha: kNearAlpha, kImpostorAlpha or 0 per sample, averaged
+  std::span<const float> depth;        // near_plane / z, of one of the pixel's samples; 0: nothing
   double near_plane_m = 0.01;
 };
 
 struct GlResolveOptions {
-  glm::u8vec3 background{0};            // sRGB
-  SkyTest sky;                          // where a pixel that nothing covers may be sky
-  int void_radius = 8;                  // pixels within which surfaces enclose a void
+  glm::u8vec3 background{0};  // sRGB
+  SkyTest sky;                // where a pixel that nothing covers may be sky
+  int void_radius = 8;        // pixels within which surfaces enclose a void
 };
 
 /// Writes `frame` and its crack, void and background counts. A pixel of which only some samples are covered shows the

@@ -19,13 +19,9 @@ EGLContext create_context(EGLDisplay display, EGLenum api) {
   if (eglBindAPI(api) != EGL_TRUE) return EGL_NO_CONTEXT;
   const EGLint embedded[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 0, EGL_NONE};
   // 4.3 is the first desktop version that must compile "#version 300 es".
-  const EGLint desktop[] = {EGL_CONTEXT_MAJOR_VERSION,
-                            4,
-                            EGL_CONTEXT_MINOR_VERSION,
-                            3,
-                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                            EGL_NONE};
+  const EGLint desktop[] = {
+      EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
   return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, api == EGL_OPENGL_ES_API ? embedded : desktop);
 }
 
@@ -107,9 +103,8 @@ Status GlContext::read_abilities() {
     return fail(ErrorCode::kUnavailable, "OpenGL: {} on {} is too old; OpenGL ES 3.0 is needed", abilities_.version,
                 abilities_.renderer);
   }
-  abilities_.has_clip_control =
-      abilities_.is_embedded ? epoxy_has_gl_extension("GL_EXT_clip_control")
-                             : version >= 45 || epoxy_has_gl_extension("GL_ARB_clip_control");
+  abilities_.has_clip_control = abilities_.is_embedded ? epoxy_has_gl_extension("GL_EXT_clip_control")
+                                                       : version >= 45 || epoxy_has_gl_extension("GL_ARB_clip_control");
   abilities_.has_multi_draw = !abilities_.is_embedded || epoxy_has_gl_extension("GL_EXT_multi_draw_arrays");
   abilities_.can_read_depth = !abilities_.is_embedded || epoxy_has_gl_extension("GL_NV_read_depth");
   glGetIntegerv(GL_MAX_SAMPLES, &abilities_.max_samples);

@@ -18,7 +18,7 @@ struct GlAbilities {
   bool is_embedded = true;        // OpenGL ES rather than desktop OpenGL
   bool has_clip_control = false;  // clip z in [0, 1]: distant depths keep a float's full precision
   bool has_multi_draw = false;
-  bool can_read_depth = false;    // glReadPixels of depth
+  bool can_read_depth = false;  // glReadPixels of depth
   int max_samples = 0;
   int max_texture_layers = 0;
   int max_texture_edge = 0;

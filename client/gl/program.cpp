@@ -57,8 +57,12 @@ Result<Program> Program::build(std::string_view name, std::string_view vertex, s
   return Program(std::move(program));
 }
 
-void Program::use() const { glUseProgram(name_.name()); }
+void Program::use() const {
+  glUseProgram(name_.name());
+}
 
-int Program::uniform(const char* name) const { return glGetUniformLocation(name_.name(), name); }
+int Program::uniform(const char* name) const {
+  return glGetUniformLocation(name_.name(), name);
+}
 
 }  // namespace farfield::client

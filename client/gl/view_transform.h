@@ -15,15 +15,15 @@ struct AffineBox {
 };
 
 struct ViewTransform {
-  glm::dvec3 eye{0};                 // scene frame
-  glm::dmat3 camera_from_scene{1};   // rotation; the camera looks along its -Z
-  double tan_x = 1, tan_y = 1;       // half the image in tangent units
+  glm::dvec3 eye{0};                // scene frame
+  glm::dmat3 camera_from_scene{1};  // rotation; the camera looks along its -Z
+  double tan_x = 1, tan_y = 1;      // half the image in tangent units
   double near_plane_m = 0.01;
 
   static ViewTransform of(const Display& display, const Pose& pose, double near_plane_m) {
     const double tan_y = display.tan_half();
-    return {pose.position, glm::transpose(glm::mat3_cast(pose.world_from_camera)), tan_y * display.width / display.height,
-            tan_y, near_plane_m};
+    return {pose.position, glm::transpose(glm::mat3_cast(pose.world_from_camera)),
+            tan_y * display.width / display.height, tan_y, near_plane_m};
   }
 
   /// False only if no point of the box, given in camera axes relative to the eye (or in any positive multiple of

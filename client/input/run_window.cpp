@@ -18,7 +18,9 @@ constexpr double kTitleSeconds = 0.25;
 // A step longer than this (the window was dragged, the machine slept) would fling the viewer across the scene.
 constexpr double kLongestStepSeconds = 0.1;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 /// Records poses between two presses of R; each recording gets a file of its own.
 class Recorder {
@@ -173,8 +175,8 @@ WindowSource window_source(ClientCore& core) {
 }
 
 Result<WindowSummary> run_window(const WindowSource& source, const WindowOptions& options) {
-  Result<std::unique_ptr<Window>> window = Window::open(
-      options.display.width, options.display.height, "Farfield " + options.scene, options.wait_for_vsync);
+  Result<std::unique_ptr<Window>> window =
+      Window::open(options.display.width, options.display.height, "Farfield " + options.scene, options.wait_for_vsync);
   if (!window) return tl::unexpected<Error>(window.error());
   Result<std::unique_ptr<FrameRenderer>> renderer =
       FrameRenderer::create(options.renderer, options.display, options.frame, &(*window)->context());

@@ -10,7 +10,7 @@ namespace {
 constexpr double kRadiansPerPixel = 0.0025;
 constexpr double kSpeedPerWheelStep = 1.25;
 constexpr double kFastFactor = 4;
-constexpr double kSlowest = 1e-3, kFastest = 1e4;   // m/s
+constexpr double kSlowest = 1e-3, kFastest = 1e4;  // m/s
 constexpr double kStraightUp = 1.5707963267948966;
 
 }  // namespace

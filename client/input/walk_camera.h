@@ -10,10 +10,10 @@
 namespace farfield::client {
 
 struct MoveInput {
-  double forward = 0, right = 0, up = 0;         // -1 … 1
-  double look_right_px = 0, look_down_px = 0;    // mouse movement since the last call
-  double wheel_steps = 0;                        // up is faster
-  bool is_fast = false;                          // 4 times the speed while held
+  double forward = 0, right = 0, up = 0;       // -1 … 1
+  double look_right_px = 0, look_down_px = 0;  // mouse movement since the last call
+  double wheel_steps = 0;                      // up is faster
+  bool is_fast = false;                        // 4 times the speed while held
 };
 
 class WalkCamera {
@@ -31,7 +31,7 @@ class WalkCamera {
 
  private:
   glm::dvec3 position_;
-  double yaw_rad_ = 0, pitch_rad_ = 0;   // about +Y, then about the camera's X
+  double yaw_rad_ = 0, pitch_rad_ = 0;  // about +Y, then about the camera's X
   double speed_m_s_;
   bool is_flying_ = false;
 };

@@ -46,7 +46,7 @@ double key_axis(GLFWwindow* window, int positive, int negative) {
 struct Window::State {
   bool is_initialised = false;
   GLFWwindow* window = nullptr;
-  WindowEvents events;             // gathered by callbacks since the last poll
+  WindowEvents events;  // gathered by callbacks since the last poll
   double cursor_x = 0, cursor_y = 0;
   bool is_looking = false;
   std::unique_ptr<GlContext> context;
@@ -167,7 +167,9 @@ void Window::show(const Frame& frame) {
   glfwSwapBuffers(s.window);
 }
 
-void Window::set_title(const std::string& title) { glfwSetWindowTitle(state_->window, title.c_str()); }
+void Window::set_title(const std::string& title) {
+  glfwSetWindowTitle(state_->window, title.c_str());
+}
 
 int Window::width() const {
   int width = 0, height = 0;
@@ -181,6 +183,8 @@ int Window::height() const {
   return height;
 }
 
-GlContext& Window::context() { return *state_->context; }
+GlContext& Window::context() {
+  return *state_->context;
+}
 
 }  // namespace farfield::client

@@ -179,6 +179,8 @@ FullGeometryStatistics FullGeometryRenderer::draw(const ViewTransform& view, boo
   return statistics;
 }
 
-std::size_t FullGeometryRenderer::memory_bytes() const { return state_->memory_bytes + state_->textures.held_bytes(); }
+std::size_t FullGeometryRenderer::memory_bytes() const {
+  return state_->memory_bytes + state_->textures.held_bytes();
+}
 
 }  // namespace farfield::client

@@ -25,7 +25,7 @@ struct FullGeometryChunk {
 };
 
 struct FullGeometryStatistics {
-  std::uint64_t triangles = 0;       // sent to the GPU
+  std::uint64_t triangles = 0;  // sent to the GPU
   std::uint64_t triangles_held = 0;
   std::uint32_t draw_calls = 0, chunks_drawn = 0;
 };

@@ -50,8 +50,8 @@ NearBatches near_batches(const LeafView& leaf) {
     }
     const bool is_cut = glm::any(glm::lessThan(merged.bounds.min, region_min)) ||
                         glm::any(glm::greaterThanEqual(merged.bounds.max, region_max));
-    const auto key = std::tuple(is_cut, chunk.is_alpha_masked, chunk.texture,
-                                chunk.is_alpha_masked ? chunk.alpha_cutoff : 0.0f);
+    const auto key =
+        std::tuple(is_cut, chunk.is_alpha_masked, chunk.texture, chunk.is_alpha_masked ? chunk.alpha_cutoff : 0.0f);
     const auto [at, is_new] = batch_of.try_emplace(key, result.batches.size());
     if (is_new) result.batches.push_back({chunk.texture, i, chunk.is_alpha_masked, chunk.alpha_cutoff, is_cut, {}});
     result.batches[at->second].chunks.push_back(merged);

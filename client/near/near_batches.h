@@ -21,16 +21,16 @@ struct MergedChunk {
 
 /// Chunks of one texture and mask, either all inside the near region or all crossing its border.
 struct NearBatch {
-  ContentHash texture = 0;            // content hash, 0: none
-  std::uint32_t placed_chunk = 0;     // an index into LeafView::chunks: where to find the texture
+  ContentHash texture = 0;         // content hash, 0: none
+  std::uint32_t placed_chunk = 0;  // an index into LeafView::chunks: where to find the texture
   bool is_alpha_masked = false;
   float alpha_cutoff = 0.5f;
   bool is_cut = false;
-  std::vector<MergedChunk> chunks;    // in the leaf set's order
+  std::vector<MergedChunk> chunks;  // in the leaf set's order
 };
 
 struct NearBatches {
-  std::vector<SurfaceVertex> vertices;   // relative to the leaf's centre
+  std::vector<SurfaceVertex> vertices;  // relative to the leaf's centre
   std::vector<std::uint32_t> indices;
   std::vector<NearBatch> batches;
 };

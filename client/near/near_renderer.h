@@ -16,9 +16,9 @@
 namespace farfield::client {
 
 struct NearOptions {
-  std::size_t geometry_budget_bytes = 64u << 20;   // merged leaf sets kept for coming back; the drawn one always is
+  std::size_t geometry_budget_bytes = 64u << 20;  // merged leaf sets kept for coming back; the drawn one always is
   std::size_t texture_budget_bytes = 512u << 20;
-  std::size_t frame_upload_bytes = 16u << 20;      // of textures
+  std::size_t frame_upload_bytes = 16u << 20;  // of textures
 };
 
 struct NearStatistics {

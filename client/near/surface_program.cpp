@@ -136,8 +136,7 @@ VertexArrayName make_surface_vertex_array(const Buffer& vertices, const Buffer& 
   glEnableVertexAttribArray(0);
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(SurfaceVertex), at(offsetof(SurfaceVertex, position)));
   glEnableVertexAttribArray(1);
-  glVertexAttribPointer(1, 3, GL_UNSIGNED_SHORT, GL_TRUE, sizeof(SurfaceVertex),
-                        at(offsetof(SurfaceVertex, radiance)));
+  glVertexAttribPointer(1, 3, GL_UNSIGNED_SHORT, GL_TRUE, sizeof(SurfaceVertex), at(offsetof(SurfaceVertex, radiance)));
   glEnableVertexAttribArray(2);
   glVertexAttribPointer(2, 2, GL_FLOAT, GL_FALSE, sizeof(SurfaceVertex), at(offsetof(SurfaceVertex, uv)));
   glBindVertexArray(0);

@@ -15,8 +15,8 @@ namespace farfield::client {
 
 struct SurfaceVariant {
   bool is_textured = false;
-  bool is_alpha_masked = false;   // requires a texture
-  bool is_cut = false;            // fragments outside the cut box are dropped
+  bool is_alpha_masked = false;  // requires a texture
+  bool is_cut = false;           // fragments outside the cut box are dropped
 
   int index() const { return (is_textured ? 1 : 0) + (is_alpha_masked ? 2 : 0) + (is_cut ? 4 : 0); }
 };

@@ -34,8 +34,8 @@ SurfaceBounds append_surface(const Chunk& chunk, const glm::mat4x3& frame_from_c
     // A placement that flattens the surface to nothing leaves no normal; such a triangle has no pixels either.
     normal = length > 0 ? normal / length : glm::vec3(0, 1, 0);
     const glm::vec3 radiance = vertex_radiance(normal, v.colour);
-    vertices.push_back({position, {code_radiance(radiance.r), code_radiance(radiance.g), code_radiance(radiance.b), 0},
-                        v.uv});
+    vertices.push_back(
+        {position, {code_radiance(radiance.r), code_radiance(radiance.g), code_radiance(radiance.b), 0}, v.uv});
     bounds.min = glm::min(bounds.min, position), bounds.max = glm::max(bounds.max, position);
   }
   const std::size_t count = chunk.vertices.size();

@@ -14,8 +14,8 @@
 namespace farfield::client {
 
 struct SurfaceVertex {
-  glm::vec3 position;          // metres relative to the frame's centre
-  glm::u16vec4 radiance;       // linear, 65535 is 1; w unused
+  glm::vec3 position;     // metres relative to the frame's centre
+  glm::u16vec4 radiance;  // linear, 65535 is 1; w unused
   glm::vec2 uv;
 };
 static_assert(sizeof(SurfaceVertex) == 28);

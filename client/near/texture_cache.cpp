@@ -62,7 +62,8 @@ void TextureCache::upload_some(const DecodedTexture& texture, Entry& entry) {
   while (entry.uploaded < entry.level_count) {
     const TextureLevel& level = texture.levels[entry.first_level + entry.uploaded];
     const bool is_small = level.rgba.size() <= kAlwaysUploadedBytes || entry.uploaded == 0;
-    if (!is_small && frame_uploaded_bytes_ + level.rgba.size() > frame_upload_bytes_ && frame_uploaded_bytes_ > 0) break;
+    if (!is_small && frame_uploaded_bytes_ + level.rgba.size() > frame_upload_bytes_ && frame_uploaded_bytes_ > 0)
+      break;
     const auto gl_level = static_cast<GLint>(entry.level_count - 1 - entry.uploaded);
     glTexSubImage2D(GL_TEXTURE_2D, gl_level, 0, 0, level.width, level.height, GL_RGBA, GL_UNSIGNED_BYTE,
                     level.rgba.data());
@@ -91,7 +92,8 @@ void TextureCache::end_frame() {
   while (held_bytes_ > budget_bytes_) {
     auto oldest = entries_.end();
     for (auto i = entries_.begin(); i != entries_.end(); ++i) {
-      if (i->second.last_frame != frame_ && (oldest == entries_.end() || i->second.last_frame < oldest->second.last_frame))
+      if (i->second.last_frame != frame_ &&
+          (oldest == entries_.end() || i->second.last_frame < oldest->second.last_frame))
         oldest = i;
     }
     if (oldest == entries_.end()) return;

@@ -30,9 +30,9 @@ class TextureCache {
  private:
   struct Entry {
     TextureName texture;
-    std::size_t first_level = 0;   // index in DecodedTexture::levels of the coarsest level in use
-    std::size_t level_count = 0;   // in use, from there
-    std::size_t uploaded = 0;      // of these
+    std::size_t first_level = 0;  // index in DecodedTexture::levels of the coarsest level in use
+    std::size_t level_count = 0;  // in use, from there
+    std::size_t uploaded = 0;     // of these
     std::size_t bytes = 0;
     std::uint64_t last_frame = 0;
   };

@@ -13,9 +13,9 @@
 namespace farfield::client {
 namespace {
 
-constexpr int kPageTexels = 1 << 20;     // 4 MB: 64 dense tiles
+constexpr int kPageTexels = 1 << 20;  // 4 MB: 64 dense tiles
 constexpr int kMostLayers = 64;
-constexpr int kDenseLevels = 3;          // 128, 64, 32: more than any display the samples are meant for minifies
+constexpr int kDenseLevels = 3;  // 128, 64, 32: more than any display the samples are meant for minifies
 
 int layers_for(const PageShape& shape, int max_layers) {
   return std::clamp(kPageTexels / std::max(1, shape.width * shape.height), 1, std::min(kMostLayers, max_layers));
@@ -40,8 +40,8 @@ ImpostorPage::ImpostorPage(const PageShape& shape, int max_layers, std::uint32_t
     : shape_(shape),
       layer_count_(layers_for(shape, max_layers)),
       // Merged meshes have a vertex for every fourth sample or fewer, and some four indices per vertex.
-      vertex_capacity_(std::max(least_vertices,
-                                static_cast<std::uint32_t>(layer_count_ * shape.width * shape.height / 4))),
+      vertex_capacity_(
+          std::max(least_vertices, static_cast<std::uint32_t>(layer_count_ * shape.width * shape.height / 4))),
       index_capacity_(std::max(least_indices, 5 * vertex_capacity_)),
       layers_(static_cast<std::uint32_t>(layer_count_)),
       vertices_(vertex_capacity_),
@@ -53,7 +53,8 @@ ImpostorPage::ImpostorPage(const PageShape& shape, int max_layers, std::uint32_t
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.name());
   glTexStorage3D(GL_TEXTURE_2D_ARRAY, shape.level_count, GL_SRGB8_ALPHA8, shape.width, shape.height, layer_count_);
   for (int level = 0; level < shape.level_count; ++level) {
-    memory_bytes_ += std::size_t{4} * static_cast<std::size_t>(layer_count_ * (shape.width >> level) * (shape.height >> level));
+    memory_bytes_ +=
+        std::size_t{4} * static_cast<std::size_t>(layer_count_ * (shape.width >> level) * (shape.height >> level));
   }
   // One level suffices between full size and half: blending two costs a third more time without a GPU.
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER,
@@ -70,7 +71,8 @@ ImpostorPage::ImpostorPage(const PageShape& shape, int max_layers, std::uint32_t
   glEnableVertexAttribArray(0);
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(ImpostorVertex), at(offsetof(ImpostorVertex, u)));
   glEnableVertexAttribArray(1);
-  glVertexAttribPointer(1, 4, GL_UNSIGNED_SHORT, GL_FALSE, sizeof(ImpostorVertex), at(offsetof(ImpostorVertex, column)));
+  glVertexAttribPointer(1, 4, GL_UNSIGNED_SHORT, GL_FALSE, sizeof(ImpostorVertex),
+                        at(offsetof(ImpostorVertex, column)));
   glBindVertexArray(0);
 }
 

@@ -16,16 +16,16 @@ namespace farfield::client {
 /// As the vertex shader reads it.
 struct ImpostorVertex {
   float u = 0, v = 0, disparity = 0;
-  std::uint16_t column = 0, row = 0;   // sixteenths of a texel: cuts end at eighths plus a half
+  std::uint16_t column = 0, row = 0;  // sixteenths of a texel: cuts end at eighths plus a half
   std::uint16_t layer = 0;
-  std::uint16_t view = 0;              // row of the view table
+  std::uint16_t view = 0;  // row of the view table
 };
 static_assert(sizeof(ImpostorVertex) == 20);
 
 /// What a page's layers look like. Tiles of one shape share pages.
 struct PageShape {
-  int width = 0, height = 0;   // texels of a layer
-  int level_count = 1;         // of its mip chain
+  int width = 0, height = 0;  // texels of a layer
+  int level_count = 1;        // of its mip chain
   auto operator<=>(const PageShape&) const = default;
 
   /// Layers just large enough: widths in steps of 32, heights in powers of two. Only square dense tiles get mips:

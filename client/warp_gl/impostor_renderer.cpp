@@ -86,7 +86,8 @@ void ImpostorRenderer::State::draw_run(std::span<const ResidentTile* const> run)
   for (const ResidentTile* tile : run) {
     const std::size_t offset = tile->place.first_index * sizeof(std::uint32_t);
     if (!counts.empty() && reinterpret_cast<std::size_t>(offsets.back()) +
-                                   static_cast<std::size_t>(counts.back()) * sizeof(std::uint32_t) == offset) {
+                                   static_cast<std::size_t>(counts.back()) * sizeof(std::uint32_t) ==
+                               offset) {
       counts.back() += static_cast<GLsizei>(tile->place.index_count);
       continue;
     }
@@ -148,7 +149,9 @@ ImpostorStatistics ImpostorRenderer::draw(const LeafView& leaf, const ViewTransf
   }
   statistics.tiles_drawn = static_cast<std::uint32_t>(s.visible.size());
   // Near shells first: what they hide is rejected by depth before it is shaded.
-  const auto order = [](const ResidentTile* t) { return std::tuple(t->level, t->is_delta, t->page, t->place.first_index); };
+  const auto order = [](const ResidentTile* t) {
+    return std::tuple(t->level, t->is_delta, t->page, t->place.first_index);
+  };
   std::sort(s.visible.begin(), s.visible.end(),
             [&](const ResidentTile* a, const ResidentTile* b) { return order(a) < order(b); });
 
@@ -176,6 +179,8 @@ ImpostorStatistics ImpostorRenderer::draw(const LeafView& leaf, const ViewTransf
   return statistics;
 }
 
-std::size_t ImpostorRenderer::held_bytes() const { return state_->store.held_bytes(); }
+std::size_t ImpostorRenderer::held_bytes() const {
+  return state_->store.held_bytes();
+}
 
 }  // namespace farfield::client

@@ -24,10 +24,10 @@ struct ImpostorOptions {
 };
 
 struct ImpostorStatistics {
-  std::uint64_t triangles = 0;         // sent to the GPU after culling
-  std::uint64_t triangles_held = 0;    // of the leaf set
+  std::uint64_t triangles = 0;       // sent to the GPU after culling
+  std::uint64_t triangles_held = 0;  // of the leaf set
   std::uint32_t draw_calls = 0, tiles_drawn = 0;
-  std::uint32_t missing_tiles = 0;     // of the leaf set, not uploaded yet
+  std::uint32_t missing_tiles = 0;  // of the leaf set, not uploaded yet
 };
 
 class ImpostorRenderer {
@@ -38,7 +38,7 @@ class ImpostorRenderer {
   ~ImpostorRenderer();
 
   struct Upload {
-    bool is_complete = true;           // the leaf set can be drawn without missing tiles
+    bool is_complete = true;  // the leaf set can be drawn without missing tiles
     std::uint64_t bytes = 0;
     std::uint32_t refused_tiles = 0;
   };

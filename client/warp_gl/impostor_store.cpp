@@ -56,9 +56,9 @@ bool ImpostorStore::add(const DecodedTile& tile) {
     }
   }
   if (!place) {
-    resident.page = &pages_.emplace_back(shape, abilities_.max_texture_layers,
-                                         static_cast<std::uint32_t>(mesh.vertices.size()),
-                                         static_cast<std::uint32_t>(mesh.indices.size()));
+    resident.page =
+        &pages_.emplace_back(shape, abilities_.max_texture_layers, static_cast<std::uint32_t>(mesh.vertices.size()),
+                             static_cast<std::uint32_t>(mesh.indices.size()));
     held_bytes_ += resident.page->memory_bytes();
     place = resident.page->add(mesh, *view);
   }

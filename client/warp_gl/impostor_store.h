@@ -20,8 +20,8 @@ namespace farfield::client {
 struct ResidentTile {
   ImpostorPage* page = nullptr;
   ImpostorPage::Place place;
-  std::uint16_t view = 0;            // row of the view table
-  glm::dvec3 middle{0}, half{0};     // bounds in (u, v, disparity)
+  std::uint16_t view = 0;         // row of the view table
+  glm::dvec3 middle{0}, half{0};  // bounds in (u, v, disparity)
   double side_m = 1;
   int level = 0;
   bool is_delta = false;
@@ -29,9 +29,9 @@ struct ResidentTile {
 };
 
 struct UploadResult {
-  bool is_complete = true;           // every tile of the leaf set is resident
+  bool is_complete = true;  // every tile of the leaf set is resident
   std::uint64_t uploaded_bytes = 0;
-  std::uint32_t refused_tiles = 0;   // do not fit the context's limits, or are not what they claim to be
+  std::uint32_t refused_tiles = 0;  // do not fit the context's limits, or are not what they claim to be
 };
 
 class ImpostorStore {

@@ -166,7 +166,8 @@ TEST_P(FrameRendererTest, FourSamplesMixEdgesInLinearLight) {
   EXPECT_EQ(frame_.statistics.background_pixels, 0u);
   const int white = linear_to_srgb(vertex_light({0, 0, 1}));
   int between = 0;
-  for (std::size_t p = 0; p < frame_.pixels(); ++p) between += frame_.rgba[4 * p + 2] > 100 && frame_.rgba[4 * p + 2] < white - 5;
+  for (std::size_t p = 0; p < frame_.pixels(); ++p)
+    between += frame_.rgba[4 * p + 2] > 100 && frame_.rgba[4 * p + 2] < white - 5;
   EXPECT_GT(between, 20);
   EXPECT_LT(between, 400);
 }

@@ -84,7 +84,7 @@ TEST_F(FramebufferTest, EncodesLinearLightToWithinOneCode) {
 
 TEST_F(FramebufferTest, RowsComeTopFirstAndEmptyPixelsAreZero) {
   draw(context_->abilities(), 1, 1.0f);
-  EXPECT_EQ(colour_[4 * 500 + 3], 255);                       // top row
+  EXPECT_EQ(colour_[4 * 500 + 3], 255);                           // top row
   EXPECT_EQ(colour_[4 * ((kHeight - 1) * kWidth + 500) + 3], 0);  // bottom row
   EXPECT_EQ(depth_[(kHeight - 1) * kWidth + 500], 0.0f);
 }
@@ -116,6 +116,40 @@ TEST_F(FramebufferTest, MultisamplesResolve) {
   draw(context_->abilities(), 4, 1.0f);
   EXPECT_EQ(colour_[4 * 500 + 3], 255);
   EXPECT_NEAR(depth_[500], 0.01f, 1e-8);
+}
+
+TEST_F(FramebufferTest, MultisamplesAverageInLinearLight) {
+  auto frame = Framebuffer::create(context_->abilities(), 64, 64, 4);
+  ASSERT_TRUE(frame) << frame.error().message;
+  auto program = Program::build("edge", R"(#version 300 es
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 0.9 : -0.8, gl_VertexID == 2 ? 0.95 : -0.9);
+  gl_Position = vec4(corner, 0.5, 1.0);
+}
+)",
+                                R"(#version 300 es
+precision highp float;
+layout(location = 0) out vec4 colour;
+void main() { colour = vec4(1.0); }
+)");
+  ASSERT_TRUE(program) << program.error().message;
+  frame->begin();
+  begin_scene_drawing(context_->abilities());
+  program->use();
+  const VertexArrayName none = VertexArrayName::make();
+  glBindVertexArray(none.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  frame->resolve();
+  std::vector<std::uint8_t> colour(4 * 64 * 64);
+  frame->read_colour(colour);
+  int partial = 0;
+  for (std::size_t p = 0; p < 64 * 64; ++p) {
+    const double share = colour[4 * p + 3] / 255.0;
+    const double coded = share <= 0.0031308 ? 12.92 * share : 1.055 * std::pow(share, 1 / 2.4) - 0.055;
+    EXPECT_NEAR(colour[4 * p], 255 * coded, 2);  // half covered is 188, not 128
+    partial += colour[4 * p + 3] > 0 && colour[4 * p + 3] < 255;
+  }
+  EXPECT_GT(partial, 20);
 }
 
 TEST_F(FramebufferTest, ImpossibleSizesAreOneClearLine) {

@@ -62,8 +62,7 @@ TEST(Program, UnmatchedInterfacesAreALinkError) {
   auto context = GlContext::create_surfaceless();
   ASSERT_TRUE(context) << context.error().message;
   const char* vertex = "#version 300 es\nout vec2 a;\nvoid main() { a = vec2(0.0); gl_Position = vec4(0.0); }\n";
-  const char* fragment =
-      "#version 300 es\nprecision highp float;\nin vec4 a;\nout vec4 c;\nvoid main() { c = a; }\n";
+  const char* fragment = "#version 300 es\nprecision highp float;\nin vec4 a;\nout vec4 c;\nvoid main() { c = a; }\n";
   auto program = Program::build("mismatched", vertex, fragment);
   ASSERT_FALSE(program);
   EXPECT_NE(program.error().message.find("mismatched shaders do not link"), std::string::npos);

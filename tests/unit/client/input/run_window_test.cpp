@@ -59,7 +59,8 @@ struct CountingSource {
               return nullptr;
             },
             [this](const Pose& pose, double) { ++poses, last = pose; },
-            [this](const LeafView*, const glm::dvec3&) { return ++counted % 2 == 0; }, {}};
+            [this](const LeafView*, const glm::dvec3&) { return ++counted % 2 == 0; },
+            {}};
   }
 };
 

@@ -10,7 +10,9 @@ namespace {
 
 constexpr double kHalfPi = 1.5707963267948966;
 
-glm::dvec3 looking(const WalkCamera& camera) { return camera.pose().world_from_camera * glm::dvec3(0, 0, -1); }
+glm::dvec3 looking(const WalkCamera& camera) {
+  return camera.pose().world_from_camera * glm::dvec3(0, 0, -1);
+}
 
 TEST(WalkCamera, StartsWhereItIsPut) {
   const glm::dquat start = glm::angleAxis(0.8, glm::dvec3(0, 1, 0)) * glm::angleAxis(-0.4, glm::dvec3(1, 0, 0));

@@ -41,8 +41,9 @@ class FullGeometryTest : public testing::Test {
     auto context = GlContext::create_surfaceless();
     ASSERT_TRUE(context) << context.error().message;
     context_ = std::move(*context);
-    auto renderer = FullGeometryRenderer::create(context_->abilities(), kOrigin, kAcross * kAcross,
-                                                 [](std::size_t i) { return FullGeometryChunk{patch(int(i)), place(i), nullptr}; });
+    auto renderer = FullGeometryRenderer::create(context_->abilities(), kOrigin, kAcross * kAcross, [](std::size_t i) {
+      return FullGeometryChunk{patch(int(i)), place(i), nullptr};
+    });
     ASSERT_TRUE(renderer) << renderer.error().message;
     renderer_ = std::move(*renderer);
     auto frame = Framebuffer::create(context_->abilities(), kDisplay.width, kDisplay.height, 1);

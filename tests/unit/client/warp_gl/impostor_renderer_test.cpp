@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNearPlane = 0.002;
 constexpr double kSide = 2.0;
-const glm::dvec3 kCentre(5e5 + 1, -2e6 + 1, 1);   // of the cell: nothing may depend on large floats
+const glm::dvec3 kCentre(5e5 + 1, -2e6 + 1, 1);  // of the cell: nothing may depend on large floats
 const Box kRoom{kCentre + glm::dvec3(-9, -7, -8), kCentre + glm::dvec3(8, 9, 10)};
 
 glm::u8vec3 paint(const glm::dvec3& point) {
@@ -202,7 +202,7 @@ TEST_F(ImpostorRendererTest, TilesOutsideTheViewAreNotDrawn) {
   add_room(2, 0);
   renderer_->upload(leaf_);
   const auto statistics = draw({64, 64, 0.5}, {kCentre, {1, 0, 0, 0}});
-  EXPECT_EQ(statistics.tiles_drawn, 4u);   // one face of six
+  EXPECT_EQ(statistics.tiles_drawn, 4u);  // one face of six
   EXPECT_EQ(statistics.draw_calls, 1u);
   EXPECT_EQ(statistics.triangles_held, 24u * 2 * 127 * 127);
 }

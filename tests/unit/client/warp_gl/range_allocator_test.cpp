@@ -25,7 +25,9 @@ TEST(RangeAllocator, TenantsNeverOverlap) {
   std::mt19937 random(7);
   RangeAllocator ranges(1000);
   std::vector<int> owner(1000, 0);
-  struct Tenant { std::uint32_t first, count; };
+  struct Tenant {
+    std::uint32_t first, count;
+  };
   std::vector<Tenant> tenants;
   for (int step = 0; step < 5000; ++step) {
     if (random() % 2 == 0 || tenants.empty()) {
