@@ -43,7 +43,7 @@ Plan plan_of(const Trace& trace, int columns, double cell_aspect) {
   return plan;
 }
 
-// A cell is solid if any of four rays through it meets something between knee and eye of the nearest frame.
+// A cell is solid if any ray through it meets something between knee and eye of the nearest frame.
 void mark_solid(Plan& plan, const Trace& trace, const Scene& scene) {
   const BodyProbe probe(scene, BodyProbe::scale_for(scene));
   const double height = 0.75 * probe.eye_height_m();
@@ -63,6 +63,14 @@ void mark_solid(Plan& plan, const Trace& trace, const Scene& scene) {
         const glm::dvec2 at = center + plan.cell() * glm::dvec2(k % 2 - 0.5, k / 2 - 0.5) * 0.5;
         const glm::dvec3 from = glm::dvec3(at.x, eye_y, at.y) - scene.origin();
         is_hit = probe.free_distance(from, {0, -1, 0}, height) < height;
+      }
+      // Upright walls are thinner than any ray down: look across the cell both ways.
+      const glm::dvec3 middle = glm::dvec3(center.x, eye_y - 0.5 * height, center.y) - scene.origin();
+      for (const int axis : {0, 2}) {
+        glm::dvec3 across{0};
+        across[axis] = 1;
+        const double length = plan.cell()[axis / 2];
+        is_hit = is_hit || probe.free_distance(middle - 0.5 * length * across, across, length) < length;
       }
       plan.is_solid[static_cast<std::size_t>(row * plan.columns + column)] = is_hit;
     }

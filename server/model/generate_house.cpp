@@ -37,7 +37,7 @@ HousePaints make_paints(ModelBuilder& b, std::uint64_t seed) {
   };
   HousePaints p;
   p.plain.material = b.add_material("painted");
-  p.plaster = textured("plaster", paint_rough("plaster", {0.84f, 0.82f, 0.77f}, {0.92f, 0.90f, 0.86f}, seed), 0.25f);
+  p.plaster = textured("plaster", paint_rough("plaster", {0.85f, 0.83f, 0.78f}, {0.90f, 0.88f, 0.84f}, seed, 0.08f), 0.25f);
   p.concrete = textured("stone", paint_rough("stone", {0.46f, 0.46f, 0.47f}, {0.62f, 0.62f, 0.62f}, seed + 1), 0.5f);
   p.brick = textured("bricks", paint_bricks({0.66f, 0.36f, 0.28f}, seed + 2), 0.5f);
   p.wood = textured("light wood", paint_wood({0.80f, 0.62f, 0.40f}, 4, seed + 3), 0.5f);

@@ -124,10 +124,10 @@ TextureImage paint_shop_fronts(std::uint64_t seed) {
   });
 }
 
-TextureImage paint_rough(const char* name, glm::vec3 low, glm::vec3 high, std::uint64_t seed) {
+TextureImage paint_rough(const char* name, glm::vec3 low, glm::vec3 high, std::uint64_t seed, float grain) {
   const NoiseTile coarse(seed, 4), fine(seed + 1, 64);
   return painted(name, 512, 512, [&](float u, float v) {
-    return opaque(glm::mix(low, high, glm::smoothstep(0.2f, 0.8f, coarse.at(u, v))) * (0.82f + 0.36f * fine.at(u * 2, v * 2)));
+    return opaque(glm::mix(low, high, glm::smoothstep(0.2f, 0.8f, coarse.at(u, v))) * (1 + grain * (fine.at(u * 2, v * 2) - 0.5f)));
   });
 }
 

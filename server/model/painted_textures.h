@@ -21,7 +21,8 @@ struct FacadeStyle {
 };
 TextureImage paint_facade(const FacadeStyle& style, std::uint64_t seed);
 TextureImage paint_shop_fronts(std::uint64_t seed);                                          // 4 shops, 16 × 4 m
-TextureImage paint_rough(const char* name, glm::vec3 low, glm::vec3 high, std::uint64_t seed);  // any; 4 m
+/// Any surface; 4 m. `grain`: strength of its finest noise.
+TextureImage paint_rough(const char* name, glm::vec3 low, glm::vec3 high, std::uint64_t seed, float grain = 0.36f);
 TextureImage paint_grass(std::uint64_t seed);                                                // 4 m
 TextureImage paint_paving(glm::vec3 stone, int stones_per_edge, std::uint64_t seed);         // 4 m
 TextureImage paint_bricks(glm::vec3 brick, std::uint64_t seed);                              // 2 m

@@ -15,6 +15,7 @@ namespace {
 struct Limb {
   glm::vec3 from, to;
   float from_radius, to_radius;
+  float length = 0;  // filled in by field_of()
 };
 
 float limb_distance(const Limb& limb, const glm::vec3& p) {
@@ -52,14 +53,20 @@ struct Body {
 };
 
 DistanceField field_of(Body body, std::uint64_t seed) {
+  for (Limb& limb : body.limbs) limb.length = glm::distance(limb.from, limb.to);
   return [body = std::move(body), grain = Grain(seed), seed](const glm::vec3& p) {
+    // No limb farther than the one that seems nearest, by more than two blends, can change the result.
+    float limit = 1e3f;
+    for (const Limb& limb : body.limbs) {
+      const glm::vec3 away = p - 0.5f * (limb.from + limb.to);
+      limit = std::min(limit, glm::dot(away, away));
+    }
+    limit = std::sqrt(limit) + 2 * body.blend;  // the middle of a limb is at least as far as its surface
     float d = 1e3f;
     for (const Limb& limb : body.limbs) {
-      // A limb whose bounding ball is farther than the nearest surface so far plus the blend changes nothing.
-      const glm::vec3 axis = limb.to - limb.from, away = p - (limb.from + 0.5f * axis);
-      const float reach = d + body.blend + std::max(limb.from_radius, limb.to_radius);
-      if (reach <= 0 || glm::dot(away, away) > 2 * (reach * reach + 0.25f * glm::dot(axis, axis))) continue;  // (a + b)² <= 2a² + 2b²
-      d = melted(d, limb_distance(limb, p), body.blend);
+      const glm::vec3 away = p - 0.5f * (limb.from + limb.to);
+      const float reach = limit + std::max(limb.from_radius, limb.to_radius) + 0.5f * limb.length;
+      if (glm::dot(away, away) < reach * reach) d = melted(d, limb_distance(limb, p), body.blend);
     }
     if (std::abs(d) > 0.25f) return 0.8f * d;
     if (body.folds > 0 && p.y < body.robe_top_m) {

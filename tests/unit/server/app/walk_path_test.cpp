@@ -73,7 +73,7 @@ void expect_even_speed(const Trace& trace, double speed) {
 class Walk : public testing::TestWithParam<const char*> {};
 
 TEST_P(Walk, TouchesNothingAndKeepsItsPace) {
-  const auto scene = scene_of(GetParam(), 300'000);
+  const auto scene = scene_of(GetParam(), 250'000);
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     TraceOptions options;
     options.seconds = 15;
