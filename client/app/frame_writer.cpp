@@ -2,38 +2,13 @@
 #include "client/app/frame_writer.h"
 
 #include <fmt/format.h>
-#include <png.h>
-
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
+#include "common/image/png.h"
+
 namespace farfield::client {
-namespace {
-
-/// Beside the file first, then renamed: nobody sees half an image.
-Status write_png(const std::filesystem::path& path, int width, int height, const std::vector<std::uint8_t>& rgba) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(width);
-  image.height = static_cast<png_uint_32>(height);
-  image.format = PNG_FORMAT_RGBA;
-  image.flags = PNG_IMAGE_FLAG_FAST;
-  const std::filesystem::path temporary = path.string() + ".part";
-  if (png_image_write_to_file(&image, temporary.c_str(), 0, rgba.data(), 0, nullptr) == 0) {
-    const std::string why = image.message;
-    png_image_free(&image);
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    return fail(ErrorCode::kIo, "{}: cannot be written: {}", path.string(), why);
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error) return fail(ErrorCode::kIo, "{}: cannot be written: {}", path.string(), error.message());
-  return {};
-}
-
-}  // namespace
-
 FrameWriter::FrameWriter(std::filesystem::path folder) : folder_(std::move(folder)), thread_([this] { run(); }) {}
 
 FrameWriter::~FrameWriter() {
@@ -53,7 +28,10 @@ Status FrameWriter::prepare() {
 }
 
 Status FrameWriter::write(const Frame& frame, std::size_t index) {
-  Picture picture{folder_ / fmt::format("frame_{:06}.png", index), frame.width, frame.height, frame.rgba};
+  Picture picture{(folder_ / fmt::format("frame_{:06}.png", index)).string(), Image8(frame.width, frame.height, 3)};
+  for (std::size_t i = 0; i < frame.pixels(); ++i) {
+    std::copy_n(frame.rgba.data() + 4 * i, 3, picture.image.values.data() + 3 * i);
+  }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_.size() < kMostWaiting || !status_; });
   if (!status_) return status_;
@@ -77,7 +55,7 @@ void FrameWriter::run() {
     waiting_.pop_front();
     is_busy_ = true;
     lock.unlock();
-    Status status = write_png(picture.path, picture.width, picture.height, picture.rgba);
+    Status status = write_png(picture.path, picture.image);
     lock.lock();
     is_busy_ = false;
     if (!status) status_ = std::move(status);

@@ -4,16 +4,15 @@
 #pragma once
 
 #include <condition_variable>
-#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <mutex>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "client/warp/frame_image.h"
 #include "common/base/result.h"
+#include "common/image/image.h"
 
 namespace farfield::client {
 
@@ -33,9 +32,8 @@ class FrameWriter {
  private:
   static constexpr std::size_t kMostWaiting = 8;
   struct Picture {
-    std::filesystem::path path;
-    int width = 0, height = 0;
-    std::vector<std::uint8_t> rgba;
+    std::string path;
+    Image8 image;
   };
   void run();
 

@@ -115,7 +115,8 @@ TEST_F(ClientProgramTest, LockstepDrawsEveryFrameWithItsLeafSet) {
 }
 
 TEST_F(ClientProgramTest, RealTimeKeepsTheTracesClock) {
-  ASSERT_EQ(run({"--trace", walk(3), "--fps", "50", "--renderer", "cpu"}), 0) << talk;  // 0.3 s
+  // 0.3 s; a leaf set takes 60 ms to come.
+  ASSERT_EQ(run({"--trace", walk(3), "--fps", "50", "--renderer", "cpu", "--link", "delay=30ms"}), 0) << talk;
   const auto report = nlohmann::json::parse(out);
   EXPECT_GT(report["frames"].get<int>(), 1);
   EXPECT_LE(report["frames"].get<int>(), 17);
