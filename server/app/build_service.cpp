@@ -35,6 +35,27 @@ Result<SceneArgument> parse_scene_argument(const std::string& text) {
   return argument;
 }
 
+std::shared_ptr<MeasuredCellService> service_for_scene(const std::string& name, std::shared_ptr<const Scene> scene,
+                                                       const ServiceOptions& options) {
+  ImpostorSettings settings = options.settings;
+  settings.finest_side_m = finest_side_for(*scene, settings.finest_side_m);
+
+  const Result<glm::dvec3> standing = standing_point(*scene, 1);
+  if (!standing && options.log) options.log(name + ": warning: no place to stand was found, viewers start at the scene's centre");
+  SceneDescription description = describe_scene(*scene, settings, standing ? *standing : scene->bounds().center());
+  description.name = name;
+
+  const ImpostorSources sources = make_impostor_sources(scene, settings);
+  CellServiceParts parts;
+  parts.scene = std::move(description);
+  parts.geometry = scene_geometry(scene);
+  parts.leaves = sources.leaves;
+  parts.tiles = sources.tiles;
+  parts.store = options.store;
+  parts.pool = options.pool;
+  return make_cell_service(std::move(parts));
+}
+
 Result<std::shared_ptr<MeasuredCellService>> build_service(const SceneArgument& argument, const ServiceOptions& options) {
   const auto log = [&](const std::string& line) {
     if (options.log) options.log(argument.name + ": " + line);
@@ -48,25 +69,9 @@ Result<std::shared_ptr<MeasuredCellService>> build_service(const SceneArgument& 
   const Clock::time_point build_start = Clock::now();
   Result<std::shared_ptr<const Scene>> scene = Scene::build(std::move(*model));
   if (!scene) return fail_within(argument.scene, scene.error());
-  ImpostorSettings settings = options.settings;
-  settings.finest_side_m = finest_side_for(**scene, settings.finest_side_m);
-
-  const Result<glm::dvec3> standing = standing_point(**scene, 1);
-  if (!standing) log("warning: no place to stand was found, viewers start at the scene's centre");
-  SceneDescription description = describe_scene(**scene, settings, standing ? *standing : (*scene)->bounds().center());
-  description.name = argument.name;
-
-  const ImpostorSources sources = make_impostor_sources(*scene, settings);
-  CellServiceParts parts;
-  parts.scene = std::move(description);
-  parts.geometry = scene_geometry(*scene);
-  parts.leaves = sources.leaves;
-  parts.tiles = sources.tiles;
-  parts.store = options.store;
-  parts.pool = options.pool;
-  std::shared_ptr<MeasuredCellService> service = make_cell_service(std::move(parts));
+  std::shared_ptr<MeasuredCellService> service = service_for_scene(argument.name, *scene, options);
   log(fmt::format("ready in {:.2f} s, {} chunks, finest cells of {:g} m", seconds_since(build_start),
-                  (*scene)->statistics().chunks, settings.finest_side_m));
+                  (*scene)->statistics().chunks, service->scene().settings.finest_side_m));
   return service;
 }
 

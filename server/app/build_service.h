@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/model/load_model.h"
+#include "server/scene/scene.h"
 #include "server/schedule/scheduled_cell_service.h"
 
 namespace farfield {
@@ -27,6 +28,10 @@ struct ServiceOptions {
   std::shared_ptr<CastPool> pool;
   std::function<void(const std::string&)> log;  // progress and warnings, one line each; may be empty
 };
+
+/// The service of a scene that is built already, with settings fitted to it.
+std::shared_ptr<MeasuredCellService> service_for_scene(const std::string& name, std::shared_ptr<const Scene> scene,
+                                                       const ServiceOptions& options);
 
 /// Loads and builds on the calling thread; seconds to minutes. Errors: as load_model() and Scene::build().
 Result<std::shared_ptr<MeasuredCellService>> build_service(const SceneArgument& argument, const ServiceOptions& options);

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/bench_program.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+
+#include "tests/bench/farfield_method.h"
+#include "tests/bench/reference_methods.h"
+#include "tests/bench/report.h"
+
+namespace farfield::bench {
+namespace {
+
+bool wants(const BenchOptions& options, const char* method) {
+  return std::find(options.methods.begin(), options.methods.end(), method) != options.methods.end();
+}
+
+// Farfield first: what it holds in memory must not include what the baselines need.
+Result<std::vector<MethodResult>> run_methods(const World& world) {
+  std::vector<MethodResult> results;
+  for (const std::string renderer : {"cpu", "gl"}) {
+    if (!wants(world.options, ("farfield-" + renderer).c_str())) continue;
+    Result<MethodResult> result = run_farfield(world, renderer);
+    if (!result) return tl::unexpected(result.error());
+    results.push_back(std::move(*result));
+  }
+  if (wants(world.options, "rays")) {
+    Result<MethodResult> result = run_rays(world);
+    if (!result) return tl::unexpected(result.error());
+    results.push_back(std::move(*result));
+  }
+  const bool full = wants(world.options, "geometry"), culled = wants(world.options, "geometry-culled");
+  if (full || culled) {
+    Result<std::vector<MethodResult>> both = run_geometry(world, full, culled);
+    if (!both) return tl::unexpected(both.error());
+    for (MethodResult& result : *both) results.push_back(std::move(result));
+  }
+  const auto order = [&](const MethodResult& m) {
+    return std::find(world.options.methods.begin(), world.options.methods.end(), m.name) - world.options.methods.begin();
+  };
+  std::sort(results.begin(), results.end(), [&](const MethodResult& a, const MethodResult& b) { return order(a) < order(b); });
+  return results;
+}
+
+}  // namespace
+
+Status run_bench(const BenchOptions& options) {
+  const Result<World> world = make_world(options);
+  if (!world) return tl::unexpected(world.error());
+  const Result<std::vector<MethodResult>> methods = run_methods(*world);
+  if (!methods) return tl::unexpected(methods.error());
+  const nlohmann::json json = to_json(*world, *methods);
+  if (options.prints_json) {
+    std::cout << json.dump(2) << '\n';
+  } else {
+    print_table(*methods, std::cout);
+    if (!options.json.empty()) {
+      std::ofstream out(options.json);
+      out << json.dump(2) << '\n';
+      out.close();
+      if (!out) return fail(ErrorCode::kIo, "{}: the report cannot be written", options.json.string());
+    }
+  }
+  if (!options.plot.empty())
+    if (Status status = write_plot(options.plot, *methods); !status) return status;
+  if (!options.contact_sheet.empty())
+    if (Status status = write_contact_sheet(options.contact_sheet, *world, *methods); !status) return status;
+  return {};
+}
+
+}  // namespace farfield::bench

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/farfield_method.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/net/link_proxy.h"
+#include "server/app/build_service.h"
+#include "server/encode/tile_maker.h"
+#include "server/session/server.h"
+#include "server/store/memory_tile_store.h"
+#include "tests/bench/distribution.h"
+#include "tests/bench/judge.h"
+#include "tests/bench/warp_error.h"
+
+namespace farfield::bench {
+namespace {
+
+// A folder for dumped frames that goes away with the run.
+class ScratchFolder {
+ public:
+  static Result<ScratchFolder> create() {
+    std::string name = (std::filesystem::temp_directory_path() / "farfield-bench-XXXXXX").string();
+    if (!mkdtemp(name.data())) return fail(ErrorCode::kIo, "{}: cannot make a folder for frames", name);
+    return ScratchFolder(name);
+  }
+  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  ~ScratchFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
+// Starts this program again as a client and returns the JSON that it prints.
+Result<nlohmann::json> run_client(const World& world, const Endpoint& endpoint, const std::string& renderer,
+                                  const std::string& mode, const std::filesystem::path& folder) {
+  const Display& d = world.options.display;
+  const std::vector<std::string> words{"farfield-bench", "--role", "client", "--endpoint", to_string(endpoint), "--renderer", renderer,
+                                       "--mode", mode, "--folder", folder.string(), "--trace", world.options.trace.string(),
+                                       "--frames", std::to_string(world.poses.size()), "--size", fmt::format("{}x{}", d.width, d.height),
+                                       "--fovy", fmt::format("{:.12g}", d.fovy_rad * 180 / 3.14159265358979323846),
+                                       "--client-samples", std::to_string(world.options.client_samples)};
+  int pipe_ends[2];
+  if (pipe(pipe_ends) != 0) return fail(ErrorCode::kIo, "no pipe to the client process");
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  const pid_t child = fork();
+  if (child < 0) return fail(ErrorCode::kIo, "the client process cannot be started");
+  if (child == 0) {
+    dup2(pipe_ends[1], STDOUT_FILENO);
+    close(pipe_ends[0]), close(pipe_ends[1]);
+    execv("/proc/self/exe", arguments.data());
+    _exit(127);
+  }
+  close(pipe_ends[1]);
+  std::string text;
+  std::array<char, 65536> buffer;
+  for (ssize_t got; (got = read(pipe_ends[0], buffer.data(), buffer.size())) > 0;) text.append(buffer.data(), static_cast<std::size_t>(got));
+  close(pipe_ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return fail(ErrorCode::kUnavailable, "{} {}: the client failed (its own line says why)", renderer, mode);
+  nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  if (json.is_discarded()) return fail(ErrorCode::kBadData, "the client's report is not JSON");
+  return json;
+}
+
+struct Serving {
+  std::shared_ptr<MemoryTileStore> store;
+  std::shared_ptr<CastPool> pool;
+  std::shared_ptr<MeasuredCellService> service;
+  std::unique_ptr<Server> server;
+  ~Serving() {
+    server.reset();
+    service.reset();
+  }
+};
+
+Result<std::unique_ptr<Serving>> serve(const World& world) {
+  auto serving = std::make_unique<Serving>();
+  serving->store = std::make_shared<MemoryTileStore>(std::size_t{4} << 30);
+  serving->pool = std::make_shared<CastPool>(world.options.threads);
+  ServiceOptions options;
+  options.settings = world.options.settings;
+  options.settings.display = world.options.display;
+  options.store = serving->store, options.pool = serving->pool;
+  serving->service = service_for_scene("bench", world.scene, options);
+  ServerOptions server_options;
+  server_options.listen = {"127.0.0.1", 0};
+  auto server = Server::start(server_options, {serving->service});
+  if (!server) return tl::unexpected(server.error());
+  serving->server = std::move(*server);
+  return serving;
+}
+
+ErrorFigures judge_lockstep(const World& world, const std::filesystem::path& folder, MethodResult& result) {
+  ErrorAverage errors(world.options.display);
+  for (std::size_t k = 0; k < world.poses.size(); ++k) {
+    const Result<DumpedFrame> dump = read_frame(frame_path(folder, k));
+    if (!dump) continue;
+    const JudgedFrame frame = judged(dump->frame);
+    errors.add(frame, world.truth[k]);
+    result.pictures.push_back(frame.rgb);
+  }
+  return errors.figures();
+}
+
+// Real-time frames were shown where the viewer was at that moment: truth is rendered there.
+ErrorFigures judge_realtime(const World& world, const std::filesystem::path& folder) {
+  ErrorAverage errors(world.options.display);
+  for (std::size_t k = 0; k < world.poses.size(); ++k) {
+    const Result<DumpedFrame> dump = read_frame(frame_path(folder, k));
+    if (!dump) continue;
+    errors.add(judged(dump->frame), render_reference(*world.scene, world.scene_from_world(dump->eye), world.options.display, world.options.truth_samples));
+  }
+  return errors.figures();
+}
+
+void add_cells(const Serving& serving, MethodResult& result) {
+  const int threads = std::max(1, serving.pool->pool_statistics().threads);
+  std::vector<double> cell, intra, ratio, bytes;
+  double disparity_bytes = 0, covered = 0;
+  for (const CellStatistics& c : serving.service->cell_statistics()) {
+    disparity_bytes += static_cast<double>(c.disparity_bytes), covered += static_cast<double>(c.covered_samples);
+    if (!c.is_leaf || c.tiles == 0) continue;
+    cell.push_back(1e3 * c.seconds / threads), intra.push_back(1e3 * c.intra_seconds / threads);
+    if (c.intra_seconds > 0) ratio.push_back(c.seconds / c.intra_seconds);
+    bytes.push_back(static_cast<double>(c.bytes));
+  }
+  result.cell_p50 = percentile(cell, 0.5), result.cell_p95 = percentile(cell, 0.95), result.cell_max = largest(cell);
+  result.intra_p50 = percentile(intra, 0.5), result.cell_to_intra = percentile(ratio, 0.5);
+  result.cell_count = static_cast<double>(cell.size());
+  result.bytes_per_cell = mean(bytes);
+  result.depth_bits = covered > 0 ? 8 * disparity_bytes / covered : kNone;
+}
+
+double number(const nlohmann::json& json, const char* key) { return json.value(key, kNone); }
+
+void add_bytes(const World& world, const nlohmann::json& client, MethodResult& result) {
+  result.bytes_total = number(client, "bytes_in") + number(client, "bytes_out");
+  result.bytes_entry = number(client, "entry_bytes");
+  const double warm = result.bytes_total - result.bytes_entry;
+  result.bytes_per_metre = warm / std::max(1e-9, length_of(world.trace));
+  result.bytes_near = number(client, "near_geometry"), result.bytes_textures = number(client, "textures");
+  result.bytes_colour = number(client, "colour"), result.bytes_disparity = number(client, "disparity");
+  result.bytes_other = number(client, "tile_other") + number(client, "control");
+  result.late_share = number(client, "late_share");
+  result.blank_frames = number(client, "blank");
+  result.skipped["redundant_payloads"] = number(client, "redundant");
+  result.skipped["bad_payloads"] = number(client, "bad");
+}
+
+}  // namespace
+
+Result<MethodResult> run_farfield(const World& world, const std::string& renderer) {
+  MethodResult result;
+  result.name = "farfield-" + renderer;
+  for (const std::string mode : {"lockstep", "realtime"}) {
+    if (mode == "realtime" && !world.options.is_realtime_wanted) break;
+    std::cerr << result.name << ": " << mode << '\n';
+    const Result<ScratchFolder> folder = ScratchFolder::create();
+    if (!folder) return tl::unexpected(folder.error());
+    const auto serving = serve(world);
+    if (!serving) return tl::unexpected(serving.error());
+    const bool is_linked = mode == "realtime" && !world.options.link_model.is_none();
+    std::unique_ptr<LinkProxy> proxy;
+    if (is_linked) {
+      auto started = LinkProxy::start((*serving)->server->endpoint(), world.options.link_model);
+      if (!started) return tl::unexpected(started.error());
+      proxy = std::move(*started);
+    }
+    const auto client = run_client(world, is_linked ? proxy->endpoint() : (*serving)->server->endpoint(), renderer, mode, folder->path());
+    if (!client) return tl::unexpected(client.error());
+    const std::vector<double> frame_ms = (*client)["frame_ms"].get<std::vector<double>>();
+    result.client_rss_mb = std::max(std::isnan(result.client_rss_mb) ? 0 : result.client_rss_mb, number(*client, "peak_rss_mb"));
+    add_bytes(world, *client, result);
+    if (mode == "lockstep") {
+      result.frame_p50 = percentile(frame_ms, 0.50), result.frame_p95 = percentile(frame_ms, 0.95), result.frame_p99 = percentile(frame_ms, 0.99);
+      result.triangles = mean((*client)["triangles"].get<std::vector<double>>());
+      result.samples = mean((*client)["samples"].get<std::vector<double>>());
+      add_cells(**serving, result);
+      result.error = judge_lockstep(world, folder->path(), result);
+      // Without real time, the rate is what the walk would need with its clock running.
+      result.mbit_s_warm = 8e-6 * (result.bytes_total - result.bytes_entry) / std::max(1e-9, world.trace.seconds());
+    } else {
+      result.realtime_frame_p50 = percentile(frame_ms, 0.50), result.realtime_frame_p99 = percentile(frame_ms, 0.99);
+      result.realtime_error = judge_realtime(world, folder->path());
+      const double seconds = number(*client, "seconds");
+      result.mbit_s_warm = 8e-6 * (result.bytes_total - result.bytes_entry) / std::max(1e-9, seconds);
+    }
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    result.server_rss_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+  }
+  ImpostorSettings settings = world.options.settings;
+  settings.display = world.options.display;
+  settings.finest_side_m = finest_side_for(*world.scene, settings.finest_side_m);
+  const ImpostorSources sources = make_impostor_sources(world.scene, settings);
+  result.error.warp_px_p99 = warp_error_p99(world, sources, settings, renderer == "gl");
+  const SkipCounters& skips = sources.tiles->skips();
+  result.skipped["delta_blocks_not_cast"] = static_cast<double>(skips.blocks_probed - skips.blocks_cast);
+  result.skipped["delta_samples_held"] = static_cast<double>(skips.samples_held);
+  return result;
+}
+
+}  // namespace farfield::bench

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/judge.h"
+
+#include <algorithm>
+
+#include "common/image/flip.h"
+#include "common/image/psnr.h"
+#include "common/image/ssim.h"
+#include "tests/bench/distribution.h"
+
+namespace farfield::bench {
+namespace {
+
+Image8 as_image(const std::vector<std::uint8_t>& rgb, int width, int height) {
+  Image8 image(width, height, 3);
+  image.values = rgb;
+  return image;
+}
+
+}  // namespace
+
+JudgedFrame judged(const client::Frame& frame) {
+  JudgedFrame result;
+  result.rgb.resize(3 * frame.pixels());
+  result.is_impostor.resize(frame.pixels()), result.is_uncovered.resize(frame.pixels());
+  for (std::size_t i = 0; i < frame.pixels(); ++i) {
+    for (int c = 0; c < 3; ++c) result.rgb[3 * i + c] = frame.rgba[4 * i + c];
+    const client::Coverage coverage = frame.coverage[i];
+    result.is_impostor[i] = coverage == client::Coverage::kImpostor || coverage == client::Coverage::kCrackClosed;
+    result.is_uncovered[i] = coverage == client::Coverage::kVoidFilled || coverage == client::Coverage::kBackground;
+  }
+  return result;
+}
+
+void ErrorAverage::add(const JudgedFrame& frame, const ReferenceImage& truth) {
+  const Image8 seen = as_image(frame.rgb, truth.width, truth.height), wanted = as_image(truth.rgb, truth.width, truth.height);
+  psnr_.push_back(psnr_db(wanted, seen));
+  ssim_.push_back(ssim(wanted, seen));
+  // FLIP is defined per pixels per degree: 67, whatever the field of view of the frame.
+  flip_.push_back(flip(wanted, seen).mean);
+  if (frame.is_impostor.empty()) return;
+  if (std::find(frame.is_impostor.begin(), frame.is_impostor.end(), 1) != frame.is_impostor.end())
+    impostor_psnr_.push_back(psnr_db(wanted, seen, frame.is_impostor));
+  std::size_t voids = 0;
+  for (std::size_t i = 0; i < frame.is_uncovered.size(); ++i) voids += frame.is_uncovered[i] && truth.has_surface[i];
+  void_share_.push_back(static_cast<double>(voids) / static_cast<double>(frame.is_uncovered.size()));
+}
+
+ErrorFigures ErrorAverage::figures() const {
+  ErrorFigures f;
+  f.psnr_mean = mean(psnr_), f.psnr_min = smallest(psnr_);
+  f.impostor_psnr_mean = mean(impostor_psnr_), f.impostor_psnr_min = smallest(impostor_psnr_);
+  f.ssim_mean = mean(ssim_), f.ssim_min = smallest(ssim_);
+  f.flip_mean = mean(flip_), f.flip_max = largest(flip_);
+  f.void_mean = mean(void_share_), f.void_max = largest(void_share_);
+  return f;
+}
+
+}  // namespace farfield::bench

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compares frames with truth.
+#pragma once
+
+#include <functional>
+
+#include "server/scene/reference_image.h"
+#include "tests/bench/frame_dump.h"
+#include "tests/bench/method_result.h"
+
+namespace farfield::bench {
+
+/// What is compared: colours, and which pixels show impostors or nothing.
+struct JudgedFrame {
+  std::vector<std::uint8_t> rgb;
+  std::vector<std::uint8_t> is_impostor;   // empty: the method has none
+  std::vector<std::uint8_t> is_uncovered;  // before filling beyond one-pixel cracks
+};
+JudgedFrame judged(const client::Frame& frame);
+
+class ErrorAverage {
+ public:
+  explicit ErrorAverage(const Display& display) : display_(display) {}
+  void add(const JudgedFrame& frame, const ReferenceImage& truth);
+  ErrorFigures figures() const;
+
+ private:
+  const Display display_;
+  std::vector<double> psnr_, impostor_psnr_, ssim_, flip_, void_share_;
+};
+
+}  // namespace farfield::bench

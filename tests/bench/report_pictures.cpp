@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The report's pictures: run time against error, and frames above truth.
+#include "common/image/contact_sheet.h"
+#include "common/image/png.h"
+#include "common/image/svg_plot.h"
+#include "tests/bench/report.h"
+
+#include <fstream>
+
+namespace farfield::bench {
+namespace {
+
+// Every second pixel of a sheet is enough to see by: averages of 2×2.
+Image8 halved(const std::vector<std::uint8_t>& rgb, int width, int height) {
+  Image8 image(width / 2, height / 2, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const auto at = [&](int dx, int dy) { return rgb[3 * (static_cast<std::size_t>(2 * y + dy) * width + 2 * x + dx) + c]; };
+        image.at(x, y)[c] = static_cast<std::uint8_t>((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4);
+      }
+  return image;
+}
+
+}  // namespace
+
+Status write_plot(const std::filesystem::path& file, const std::vector<MethodResult>& methods) {
+  std::vector<PlotSeries> series;
+  for (const MethodResult& m : methods) series.push_back({m.name, {{m.frame_p50, m.error.flip_mean}}, false});
+  PlotOptions options;
+  options.title = "Run time against error";
+  options.x_label = "frame time, ms (median)", options.y_label = "mean FLIP against truth";
+  options.log_x = true;
+  std::ofstream out(file);
+  out << render_svg_plot(series, options);
+  out.close();
+  if (!out) return fail(ErrorCode::kIo, "{}: the plot cannot be written", file.string());
+  return {};
+}
+
+Status write_contact_sheet(const std::filesystem::path& file, const World& world, const std::vector<MethodResult>& methods) {
+  constexpr std::size_t kColumns = 6;
+  const std::size_t count = std::min(kColumns, world.poses.size());
+  const auto index = [&](std::size_t column) { return count < 2 ? 0 : column * (world.poses.size() - 1) / (count - 1); };
+  const Display& display = world.options.display;
+  std::vector<std::vector<SheetImage>> rows;
+  for (const MethodResult& m : methods) {
+    if (m.name == "rays" || m.pictures.size() != world.poses.size()) continue;
+    std::vector<SheetImage>& row = rows.emplace_back();
+    for (std::size_t c = 0; c < count; ++c) row.push_back({c == 0 ? m.name : "", halved(m.pictures[index(c)], display.width, display.height)});
+  }
+  std::vector<SheetImage>& row = rows.emplace_back();
+  for (std::size_t c = 0; c < count; ++c) row.push_back({c == 0 ? "truth" : "", halved(world.truth[index(c)].rgb, display.width, display.height)});
+  return write_png(file.string(), make_contact_sheet(rows));
+}
+
+}  // namespace farfield::bench
