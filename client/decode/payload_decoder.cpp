@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/decode/payload_decoder.h"
 
-#include <chrono>
 #include <utility>
 
+#include "common/base/thread_clock.h"
 #include "common/geometry/chunk.h"
 
 namespace farfield::client {
@@ -84,11 +84,11 @@ Result<DecodedPayload> PayloadDecoder::decode_tile_payload(const EncodedPayload&
 }
 
 Result<DecodedPayload> PayloadDecoder::decode(const EncodedPayload& payload) const {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = thread_seconds();
   Result<DecodedPayload> result = payload.name.kind == PayloadKind::kTile    ? decode_tile_payload(payload)
                                   : payload.name.kind == PayloadKind::kChunk ? decode_chunk_payload(payload)
                                                                              : decode_texture_payload(payload);
-  if (result) result->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (result) result->seconds = thread_seconds() - start;
   return result;
 }
 
