@@ -18,7 +18,7 @@
 namespace farfield::client {
 namespace {
 
-/// A band's keys take at most this much of a core's second-level cache.
+/// A band's keys take at most this much: half a second-level cache. Runs that cross bands are projected in each.
 constexpr std::size_t kBandBytes = 1024 * 1024;
 /// How far a void looks for surfaces, in pixels of the display.
 constexpr int kVoidRadius = 8;
