@@ -27,3 +27,7 @@ add_library(farfield_asio INTERFACE)
 target_include_directories(farfield_asio SYSTEM INTERFACE ${ASIO_INCLUDE_DIR})
 target_compile_definitions(farfield_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED)
 target_link_libraries(farfield_asio INTERFACE Threads::Threads)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # Asio 1.22 asks for the compiler's old name of coroutines.
+  target_compile_definitions(farfield_asio INTERFACE ASIO_HAS_CO_AWAIT ASIO_HAS_STD_COROUTINE)
+endif()
