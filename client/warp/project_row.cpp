@@ -44,7 +44,7 @@ void project_points(const RowProjection& row, const PixelWindow& window, const f
               bottom = static_cast<float>(window.bottom);
 #pragma GCC ivdep  // the arrays of one result do not overlap
   for (int i = 0; i < count; ++i) {
-    const float at = static_cast<float>(i), d = disparity[i];
+    const float at = static_cast<float>(r.first + i), d = disparity[i];
     const float w = r.start[2] + at * r.step[2] + d * r.per_disparity[2];
     const float inverse = 1.0f / w;
     const float x = (r.start[0] + at * r.step[0] + d * r.per_disparity[0]) * inverse;
@@ -75,7 +75,7 @@ void project_boxes(const RowProjection& row, const PixelWindow& window, const fl
   const float y_begin = static_cast<float>(window.top) - margin, y_end = static_cast<float>(window.bottom) + margin;
 #pragma GCC ivdep  // the arrays of one result do not overlap
   for (int i = 0; i < count; ++i) {
-    const float at = static_cast<float>(i), d = disparity[i];
+    const float at = static_cast<float>(r.first + i), d = disparity[i];
     const float w = r.start[2] + at * r.step[2] + d * r.per_disparity[2];
     const float inverse = 1.0f / w;
     const float x = (r.start[0] + at * r.step[0] + d * r.per_disparity[0]) * inverse - 0.5f;

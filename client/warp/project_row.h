@@ -11,9 +11,11 @@ namespace farfield::client {
 /// Samples per call: small enough that the results stay in the first-level cache.
 inline constexpr int kRowPiece = 256;
 
-/// (X, Y, w) of sample i is start + i·step + disparity·per_disparity; see tile_projection.h.
+/// (X, Y, w) of sample i is start + (first + i)·step + disparity·per_disparity; see tile_projection.h. `start` belongs
+/// to a fixed sample of the run whatever part of it is projected: rounding must not differ between bands.
 struct RowProjection {
   float start[3], step[3], per_disparity[3];
+  int first = 0;
   float disparity_scale = 1;         // 1/side
   float reach_x = 0, reach_y = 0;    // splat width × w, pixels
 };

@@ -18,7 +18,7 @@ struct Landing {
 
 Landing land(const RowProjection& row, int i, float disparity) {
   const auto component = [&](int k) {
-    return row.start[k] + static_cast<float>(i) * row.step[k] + disparity * row.per_disparity[k];
+    return row.start[k] + static_cast<float>(row.first + i) * row.step[k] + disparity * row.per_disparity[k];
   };
   Landing landing;
   landing.w = component(2);

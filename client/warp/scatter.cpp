@@ -2,6 +2,7 @@
 #include "client/warp/scatter.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "client/warp/splat_key.h"
 
@@ -53,27 +54,58 @@ void write_boxes(const ProjectedBoxes& boxes, int count, std::size_t width, std:
   }
 }
 
-/// Whether a long run misses the window altogether: all of it lies on the outer side of one of its borders.
-bool misses(const TileProjection& p, const Splats& splats, const SplatRun& run, const PixelWindow& window) {
-  const double u1 = run.u0 + static_cast<double>(splats.pitch) * (run.count - 1);
-  const double margin = kMaxFootprint;
-  bool above = true, below = true, left = true, right = true;
-  for (int k = 0; k < 4; ++k) {
-    const glm::dvec3 c =
-        p.at(k & 1 ? u1 : run.u0, run.v, k & 2 ? splats.max_disparity : splats.min_disparity);
-    above &= c.y < (window.top - margin) * c.z;
-    below &= c.y > (window.bottom + margin) * c.z;
-    left &= c.x < -margin * c.z;
-    right &= c.x > (window.width + margin) * c.z;
+/// Samples [first, last] of a run.
+struct SampleRange {
+  double first = 0, last = 0;
+};
+
+/// Which samples of a run can reach the window, whatever disparity within the tile's range they have. A sample in front
+/// of the eye that lands inside has (X, Y, w)·border >= 0 for the four borders; that is linear in the sample's number,
+/// so each border leaves a half-line. Bands of the screen would otherwise project all of every run that crosses them.
+class RunClipper {
+ public:
+  RunClipper(const TileProjection& p, const Splats& splats, const PixelWindow& window)
+      : projection_(p) {
+    const double margin = kMaxFootprint;
+    borders_[0] = {1, 0, margin};
+    borders_[1] = {-1, 0, window.width + margin};
+    borders_[2] = {0, 1, margin - window.top};
+    borders_[3] = {0, -1, window.bottom + margin};
+    for (int k = 0; k < 4; ++k) {
+      per_sample_[k] = glm::dot(borders_[k], p.per_u) * splats.pitch;
+      const double per_disparity = glm::dot(borders_[k], p.per_disparity);
+      largest_[k] = std::max(per_disparity * splats.min_disparity, per_disparity * splats.max_disparity);
+    }
   }
-  return above || below || left || right;
-}
+  SampleRange clip(const SplatRun& run) const {
+    SampleRange range{0, static_cast<double>(run.count) - 1};
+    const glm::dvec3 start = projection_.at(run.u0, run.v, 0);
+    for (int k = 0; k < 4; ++k) {
+      const double value = glm::dot(borders_[k], start) + largest_[k];
+      const double crossing = -value / per_sample_[k];  // not finite where the run is parallel to the border
+      if (per_sample_[k] > 0) {
+        range.first = std::max(range.first, crossing);
+      } else if (per_sample_[k] < 0) {
+        range.last = std::min(range.last, crossing);
+      } else if (value < 0) {
+        return {1, 0};
+      }
+    }
+    // To whole samples; the run's end may round outwards by one without harm.
+    return {std::floor(range.first), std::min(std::ceil(range.last), static_cast<double>(run.count) - 1)};
+  }
+
+ private:
+  const TileProjection& projection_;
+  glm::dvec3 borders_[4];
+  double per_sample_[4], largest_[4];
+};
 
 }  // namespace
 
 void scatter_tile(const Splats& splats, const TileProjection& projection, const TileFootprint& footprint,
                   const PixelWindow& window, ProjectionKernel kernel, std::uint64_t* keys) {
-  constexpr std::uint32_t kLongRun = 24;  // for shorter runs the test costs as much as the work it saves
+  constexpr std::uint32_t kLongRun = 24;  // for shorter runs clipping costs as much as it saves
   const bool is_scalar = kernel == ProjectionKernel::kScalar;
   const auto width = static_cast<std::size_t>(window.width);
   RowProjection row{};
@@ -86,14 +118,24 @@ void scatter_tile(const Splats& splats, const TileProjection& projection, const 
   row.reach_y = footprint.reach_y;
   ProjectedPoints points;
   ProjectedBoxes boxes;
+  const RunClipper clipper(projection, splats, window);
   for (const SplatRun& run : splats.runs) {
-    if (run.count >= kLongRun && misses(projection, splats, run, window)) continue;
-    for (std::uint32_t done = 0; done < run.count; done += kRowPiece) {
-      const int count = static_cast<int>(std::min<std::uint32_t>(kRowPiece, run.count - done));
-      const glm::dvec3 start = projection.at(run.u0 + static_cast<double>(splats.pitch) * done, run.v, 0);
+    std::uint32_t begin = 0, end = run.count;
+    if (run.count >= kLongRun) {
+      const SampleRange range = clipper.clip(run);
+      if (!(range.first <= range.last)) continue;
+      begin = static_cast<std::uint32_t>(range.first);
+      end = static_cast<std::uint32_t>(range.last) + 1;
+    }
+    for (std::uint32_t done = begin; done < end;) {
+      const std::uint32_t piece = done / kRowPiece * kRowPiece;
+      const int count = static_cast<int>(std::min<std::uint32_t>(piece + kRowPiece, end) - done);
+      const glm::dvec3 start = projection.at(run.u0 + static_cast<double>(splats.pitch) * piece, run.v, 0);
       for (int k = 0; k < 3; ++k) row.start[k] = static_cast<float>(start[k]);
+      row.first = static_cast<int>(done - piece);
       const float* disparity = splats.disparity.data() + run.first + done;
       const std::uint32_t* colour = splats.colour.data() + run.first + done;
+      done += static_cast<std::uint32_t>(count);
       if (footprint.widest == 1) {
         (is_scalar ? project_points_scalar : project_points)(row, window, disparity, colour, count, points);
         write_points(points, count, keys);

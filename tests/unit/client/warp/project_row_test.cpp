@@ -45,6 +45,7 @@ class Rows {
     for (int k = 0; k < 2; ++k) {
       row.start[k] = uniform(-200, 400), row.step[k] = uniform(-2, 2), row.per_disparity[k] = uniform(-100, 100);
     }
+    row.first = static_cast<int>(random_() % 100);
     row.disparity_scale = uniform(0.01f, 10);
     row.reach_x = uniform(0.2f, 5), row.reach_y = uniform(0.2f, 5);
     disparity.resize(kRowPiece), colour.resize(kRowPiece);
