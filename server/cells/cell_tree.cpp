@@ -31,6 +31,12 @@ Result<CellId> CellTree::leaf_at(const glm::dvec3& viewpoint, const CancelFlag& 
   }
 }
 
+Result<bool> CellTree::is_leaf(const CellId& cell, const CancelFlag& cancel) {
+  const Result<Kind> kind = classify(cell, cancel);
+  if (!kind) return tl::unexpected(kind.error());
+  return *kind == Kind::kLeaf;
+}
+
 Result<CellTree::Kind> CellTree::classify(const CellId& cell, const CancelFlag& cancel) {
   {
     const std::lock_guard lock(mutex_);

@@ -25,6 +25,9 @@ class CellTree {
   /// The leaf that holds a viewpoint. Casts rays only where no earlier call has decided. Errors: kCancelled.
   Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel);
 
+  /// Whether a cell is a leaf of the tree. Requires: it holds a leaf or is one. Errors: kCancelled.
+  Result<bool> is_leaf(const CellId& cell, const CancelFlag& cancel);
+
   /// What can be seen from a leaf, at full density. Remembers the last few. Errors: kCancelled.
   Result<std::shared_ptr<const BoxVisibility>> visibility(const CellId& cell, const CancelFlag& cancel);
 

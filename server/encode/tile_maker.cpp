@@ -9,37 +9,75 @@
 #include "common/codec/tile_codec.h"
 
 namespace farfield {
+namespace {
 
-TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
-                     const ImpostorSettings& settings, const CellId& root)
-    : scene_(std::move(scene)), catalogue_(std::move(catalogue)), shells_(shells), settings_(settings), root_(root) {}
+// What delta views hold is seen at the rims of nearer things and for moments: it need not look as clean as the rest.
+constexpr int kDeltaQualityDrop = 12;
+
+}  // namespace
+
+int TileMaker::quality_of(const TileId& id) const {
+  return id.is_delta() ? std::max(1, settings_.jpeg_quality - kDeltaQualityDrop) : settings_.jpeg_quality;
+}
+
+
+TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
+                     const ImpostorSettings& settings)
+    : scene_(std::move(scene)), catalogue_(std::move(catalogue)), shells_(shells), settings_(settings), tree_(std::move(tree)) {}
 
 Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWork& work) {
   if (id.view == kFallbackView) {
     const CellSpace space = CellSpace::of_fallback(shells_, id.cell);
     const int edge = face_samples(std::max(1, settings_.face_tiles / 4));
     return cast_dense_tile(*scene_, space, space.box.center(), id, edge, warp_gain(glm::dvec3(0), settings_.kappa),
-                           fallback_disparity_tolerance(settings_.tau_px, settings_.display), work);
+                           fallback_disparity_tolerance(settings_.tau_px, settings_.display), nullptr, work);
   }
   const auto views = catalogue_->views(id.cell, cancel);
   if (!views) return tl::unexpected(views.error());
   const std::vector<glm::dvec3>& positions = (*views)->positions;
   if (id.view >= positions.size()) return fail(ErrorCode::kNotFound, "a cell with {} views has no view {}", positions.size(), id.view);
-  const CellSpace space = CellSpace::of_shell(shells_, id.cell, root_);
+  CellSpace space = CellSpace::of_shell(shells_, id.cell, tree_->scene_root());
+  const Result<bool> is_leaf = tree_->is_leaf(id.cell, cancel);
+  if (!is_leaf) return tl::unexpected(is_leaf.error());
   const glm::dvec3 offset = (positions[id.view] - space.box.center()) / space.side_m;
   const double gain = warp_gain(offset, settings_.kappa);
   const double tolerance = settings_.tau_px * settings_.display.pixel_pitch() / gain;
   Tile tile;
   if (id.is_delta()) {
     DeltaSkips skips;
+    space.sees_through_near = !*is_leaf;  // in a leaf, near geometry hides the same from everyone who stands at this view
     tile = cast_delta_tile(*scene_, space, positions, id, settings_.edge_samples(), gain, tolerance, work, skips);
     skips_.blocks_probed += skips.blocks_probed, skips_.blocks_cast += skips.blocks_cast, skips_.samples_held += skips.samples_held;
   } else {
-    tile = cast_dense_tile(*scene_, space, positions[0], id, settings_.edge_samples(), gain, tolerance, work);
+    std::shared_ptr<const VisibleBlocks> visible;
+    if (*is_leaf) {
+      auto blocks = visible_blocks(space, positions[0], cancel);
+      if (!blocks) return tl::unexpected(blocks.error());
+      visible = *blocks;
+    }
+    tile = cast_dense_tile(*scene_, space, positions[0], id, settings_.edge_samples(), gain, tolerance, visible.get(), work);
+    skips_.samples_hidden += tile.samples() - work.rays;
   }
   tile.certificate = {static_cast<float>((*views)->void_worst_sr), static_cast<float>((*views)->void_mean_sr), -1.0f,
                       static_cast<float>(settings_.tau_px)};
   return tile;
+}
+
+Result<std::shared_ptr<const VisibleBlocks>> TileMaker::visible_blocks(const CellSpace& space, const glm::dvec3& view,
+                                                                        const CancelFlag& cancel) {
+  constexpr std::size_t kRemembered = 16;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [cell, blocks] : recent_)
+      if (cell == space.cell) return blocks;
+  }
+  const auto seen = tree_->visibility(space.cell, cancel);
+  if (!seen) return tl::unexpected(seen.error());
+  auto made = std::make_shared<const VisibleBlocks>(**seen, space, view, settings_.edge_samples());
+  const std::lock_guard lock(mutex_);
+  recent_.emplace_front(space.cell, made);
+  if (recent_.size() > kRemembered) recent_.pop_back();
+  return made;
 }
 
 Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, const CancelFlag& cancel) {
@@ -57,7 +95,7 @@ Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, con
     result->bytes = std::make_shared<const Bytes>();
   } else {
     TileBytes bytes;
-    Result<Bytes> encoded = encode_tile(*tile, {settings_.jpeg_quality}, &bytes);
+    Result<Bytes> encoded = encode_tile(*tile, {quality_of(id)}, &bytes);
     if (!encoded) return tl::unexpected(encoded.error());
     result->hash = hash_bytes(*encoded);
     result->bytes = std::make_shared<const Bytes>(std::move(*encoded));
@@ -85,7 +123,7 @@ ImpostorSources make_impostor_sources(std::shared_ptr<const Scene> scene, const 
   const CellId root = sources.tree->scene_root();
   auto catalogue = std::make_shared<ViewCatalogue>(scene, shells, settings, root);
   sources.leaves = std::make_shared<LeafPlanner>(scene, sources.tree, catalogue, shells, settings);
-  sources.tiles = std::make_shared<TileMaker>(scene, catalogue, shells, settings, root);
+  sources.tiles = std::make_shared<TileMaker>(scene, sources.tree, catalogue, shells, settings);
   return sources;
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <atomic>
+#include <list>
 #include <memory>
+#include <mutex>
 
 #include "server/encode/tile_source.h"
 #include "server/impostor/delta_tile.h"
@@ -13,13 +15,13 @@ namespace farfield {
 
 /// What was not cast, kept or sent, and why: counted since start.
 struct SkipCounters {
-  std::atomic<std::uint64_t> tiles_empty{0}, blocks_probed{0}, blocks_cast{0}, samples_held{0}, rays{0}, tiles{0};
+  std::atomic<std::uint64_t> tiles_empty{0}, samples_hidden{0}, blocks_probed{0}, blocks_cast{0}, samples_held{0}, rays{0}, tiles{0};
 };
 
 class TileMaker : public TileSource {
  public:
-  TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
-            const ImpostorSettings& settings, const CellId& root);
+  TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
+            const ImpostorSettings& settings);
 
   Result<std::shared_ptr<const EncodedTile>> make(const TileId& id, const CancelFlag& cancel) override;
 
@@ -32,8 +34,13 @@ class TileMaker : public TileSource {
   const std::shared_ptr<ViewCatalogue> catalogue_;
   const NestedShells shells_;
   const ImpostorSettings settings_;
-  const CellId root_;
+  int quality_of(const TileId& id) const;
+  Result<std::shared_ptr<const VisibleBlocks>> visible_blocks(const CellSpace& space, const glm::dvec3& view, const CancelFlag& cancel);
+
+  const std::shared_ptr<CellTree> tree_;
   SkipCounters skips_;
+  std::mutex mutex_;  // guards recent_
+  std::list<std::pair<CellId, std::shared_ptr<const VisibleBlocks>>> recent_;  // of leaves, newest first
 };
 
 /// A leaf source and a tile source that share the tree and the views of one scene.

@@ -88,7 +88,9 @@ void find_cuts(const Scene& scene, const CellSpace& space, const ViewFrame& fram
     const std::vector<float>& gradient = is_down ? samples.gradient_j : samples.gradient_i;
     const bool connected = samples.covered[first] && samples.covered[second] &&
                            is_connected(samples.disparity[first], gradient[first], samples.disparity[second], gradient[second], limits, pitch);
-    if (!connected) {
+    if (!samples.known[first] || !samples.known[second]) {
+      cuts[first] = tile.coverage[first] ? 8 : 1;  // the other end was left out because nobody can see it
+    } else if (!connected) {
       edges.push_back({first, second, is_down});
     } else if (!tile.coverage[first] || !tile.coverage[second]) {
       cuts[first] = tile.coverage[first] ? 8 : 1;  // the other end is held by another view

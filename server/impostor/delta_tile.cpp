@@ -33,7 +33,7 @@ class DeltaCaster {
           if (bx >= columns_ || by >= rows_) continue;
           rays.active |= 1u << lane;
           const int i = face_block_x(bx) * kBlockSamples + (second ? 5 : 2), j = face_block_y(by) * kBlockSamples + (second ? 5 : 2);
-          set_ray(rays, lane, frame_.position, frame_.direction(i, j), space_.shell);
+          set_ray(rays, lane, frame_.position, frame_.direction(i, j), space_.cast_clip());
         }
         if (!rays.active) continue;
         scene_.intersect(rays, hits);
@@ -63,8 +63,9 @@ class DeltaCaster {
     glm::dvec3 points[kPacketSize], normals[kPacketSize];
     for (int lane = 0; lane < kPacketSize; ++lane) {
       if (!(rays.active >> lane & 1) || hits.part[lane] == kNoHit) continue;
-      open |= 1u << lane;
       points[lane] = hit_point(rays, hits, lane);
+      if (!space_.sees_through_near && space_.shell.inside.contains(points[lane])) continue;
+      open |= 1u << lane;
       normals[lane] = {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]};
     }
     for (int view = 0; view < id_.view && open; ++view) {
@@ -220,6 +221,7 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
       const int to = packed_index(packed, b, k % kBlockSamples, k / kBlockSamples);
       packed.coverage[to] = kept[from];
       sample_i[to] = s.i[from], sample_j[to] = s.j[from];
+      arrays.known[to] = s.arrays.known[from];
       arrays.covered[to] = s.arrays.covered[from];
       arrays.disparity[to] = s.arrays.disparity[from];
       arrays.gradient_i[to] = s.arrays.gradient_i[from], arrays.gradient_j[to] = s.arrays.gradient_j[from];

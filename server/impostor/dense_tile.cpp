@@ -8,7 +8,7 @@
 namespace farfield {
 
 Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec3& view, const TileId& id, int edge_samples,
-                     double warp_gain, double tolerance, TileWork& work) {
+                     double warp_gain, double tolerance, const VisibleBlocks* visible, TileWork& work) {
   Tile tile;
   tile.id = id;
   tile.edge_samples = edge_samples;
@@ -24,15 +24,19 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
   for (int y = 0; y < kTileSamples; y += 4)
     for (int x = 0; x < kTileSamples; x += 4) {
       int i[kPacketSize], j[kPacketSize], index[kPacketSize];
+      bool any = false;
       for (int lane = 0; lane < kPacketSize; ++lane) {
         const int column = x + lane % 4, row = y + lane / 4;
         i[lane] = first_i + column, j[lane] = first_j + row;
-        index[lane] = row * kTileSamples + column;
+        const bool is_wanted = !visible || visible->contains(id.face, i[lane], j[lane]);
+        index[lane] = is_wanted ? row * kTileSamples + column : -1;
+        any = any || is_wanted;
       }
+      if (!any) continue;
       cast_samples(scene, space, frame, i, j, index, samples);
     }
   work.intra_seconds += thread_seconds() - start;
-  work.rays += size;
+  work.rays += static_cast<std::size_t>(std::count(samples.known.begin(), samples.known.end(), 1));
 
   tile.coverage = samples.covered;
   if (std::find(tile.coverage.begin(), tile.coverage.end(), 1) == tile.coverage.end()) return tile;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/impostor/connectivity.h"
+#include "server/impostor/visible_blocks.h"
 
 namespace farfield {
 
@@ -12,8 +13,9 @@ struct TileWork {
 };
 
 /// Returns: the tile without certificate; covered nowhere if the shell holds nothing there.
+/// `visible`: samples outside it are not cast; null: all are.
 /// Requires: id names a tile of a dense view; `tolerance` in 1/side.
 Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec3& view, const TileId& id, int edge_samples,
-                     double warp_gain, double tolerance, TileWork& work);
+                     double warp_gain, double tolerance, const VisibleBlocks* visible, TileWork& work);
 
 }  // namespace farfield

@@ -32,6 +32,7 @@ struct ViewFrame {
 
 /// What a set of rays found, [index] as its owner arranges it.
 struct SampleArrays {
+  std::vector<std::uint8_t> known;    // a ray was cast: covered tells what it found
   std::vector<std::uint8_t> covered;
   std::vector<float> disparity;     // 1/side
   std::vector<float> gradient_i;    // of the surface's tangent plane: disparity per sample to the right …
@@ -39,7 +40,7 @@ struct SampleArrays {
   std::vector<std::uint8_t> rgb;    // sRGB
 
   explicit SampleArrays(std::size_t size = 0)
-      : covered(size, 0), disparity(size, 0.0f), gradient_i(size, 0.0f), gradient_j(size, 0.0f), rgb(3 * size, 0) {}
+      : known(size, 0), covered(size, 0), disparity(size, 0.0f), gradient_i(size, 0.0f), gradient_j(size, 0.0f), rgb(3 * size, 0) {}
 };
 
 /// Disparity and its gradient where lane `lane` hit. A plane n·P = c is d = side·(n·D)/c at direction D, linear in D.

@@ -14,6 +14,10 @@
 namespace farfield {
 namespace {
 
+// Smaller than the limit: what can be seen of a dense plant is a thin shell of it, and smaller clusters follow that shell
+// more closely, so that the same geometry budget reaches farther and cells get larger.
+constexpr std::uint32_t kChunkTriangles = 96;
+
 constexpr std::size_t kChunksPerBlock = 256;
 constexpr int kClassBits = 3;  // a size class spans a factor of 2³
 
@@ -118,7 +122,7 @@ Result<StoredMesh> build_stored_mesh(const StoredMeshPlan& plan, ContentHash tex
   std::size_t class_begin = 0;
   for (const std::size_t class_end : gathered.class_ends) {
     for (const std::uint32_t end :
-         cluster_triangles(items.subspan(class_begin, class_end - class_begin), kMaxChunkTriangles))
+         cluster_triangles(items.subspan(class_begin, class_end - class_begin), kChunkTriangles))
       ends.push_back(static_cast<std::uint32_t>(class_begin + end));
     class_begin = class_end;
   }
