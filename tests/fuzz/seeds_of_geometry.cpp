@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "common/geometry/chunk.h"
+#include "common/geometry/texture_jpeg.h"
 #include "server/model/texture_file.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/seeds.h"
@@ -57,6 +58,9 @@ void add_geometry_seeds(Seeds& seeds) {
   };
   add_png("opaque.png", 8, 5, true);
   add_png("with_alpha.png", 5, 8, false);
+  Bytes jpeg = encode_texture_jpeg(texels(16, 9, true), 16, 9, 60);
+  require(!jpeg.empty(), "an image can be written");
+  seeds.push_back({"texture_file", "opaque.jpg", std::move(jpeg)});
 }
 
 }  // namespace farfield::fuzz
