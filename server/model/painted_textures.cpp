@@ -184,6 +184,16 @@ TextureImage paint_checker_plate(std::uint64_t seed) {
   });
 }
 
+TextureImage paint_grating(std::uint64_t seed) {
+  const NoiseTile noise(seed);
+  return painted("grating", 256, 256, [&](float u, float v) {
+    const float x = fraction(u * 16), y = fraction(v * 4);  // bearing bars every 31 mm, cross bars every 125 mm
+    const float bar = 1.0f - glm::smoothstep(0.14f, 0.22f, std::abs(x - 0.5f)), cross = 1.0f - glm::smoothstep(0.03f, 0.05f, std::abs(y - 0.5f));
+    const float metal = std::max(bar, 0.85f * cross);
+    return opaque(glm::mix(glm::vec3(0.16f, 0.17f, 0.18f), glm::vec3(0.66f, 0.68f, 0.70f), metal) * (0.8f + 0.35f * noise.at(u, v)));
+  });
+}
+
 TextureImage paint_wood(glm::vec3 wood, int boards, std::uint64_t seed) {
   const NoiseTile noise(seed, 4);
   return painted("wood", 512, 512, [&](float u, float v) {

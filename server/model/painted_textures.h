@@ -28,6 +28,7 @@ TextureImage paint_paving(glm::vec3 stone, int stones_per_edge, std::uint64_t se
 TextureImage paint_bricks(glm::vec3 brick, std::uint64_t seed);                              // 2 m
 TextureImage paint_roof_tiles(glm::vec3 tile, std::uint64_t seed);                           // 4 m
 TextureImage paint_checker_plate(std::uint64_t seed);                                        // 0.5 m
+TextureImage paint_grating(std::uint64_t seed);                                              // 0.5 m
 TextureImage paint_wood(glm::vec3 wood, int boards, std::uint64_t seed);                     // 2 m
 TextureImage paint_wallpaper(glm::vec3 ground, glm::vec3 figure, std::uint64_t seed);        // 1 m
 TextureImage paint_carpet(glm::vec3 ground, glm::vec3 figure, std::uint64_t seed);           // 2 m

@@ -12,7 +12,7 @@
 namespace farfield {
 
 struct PlantPaints {
-  Paint steel, concrete, plate;  // steel: coloured per object; the others textured
+  Paint steel, concrete, plate, grating;  // steel: coloured per object; the others textured
   Paint coloured(const glm::u8vec4& colour) const { return {steel.material, colour, 0}; }
 };
 
@@ -47,7 +47,5 @@ void add_column(ModelBuilder& builder, const Paint& paint, const Frame& frame, f
 void add_railing(ModelBuilder& builder, const Paint& paint, const Frame& frame, float length_m);
 /// A vertical ladder with a safety cage, climbing along local y at the origin, rungs across local x.
 void add_ladder(ModelBuilder& builder, const Paint& paint, const Frame& frame, float height_m);
-/// Flat bars of an open grating, the upper side at y = 0, over [0, size.x] × [0, size.z].
-void add_grating(ModelBuilder& builder, const Paint& paint, const Frame& frame, glm::vec2 size_m);
 
 }  // namespace farfield

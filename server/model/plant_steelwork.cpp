@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steel structure of plant_equipment.h: beams, columns, rails, ladders and gratings.
+// The steel structure of plant_equipment.h: beams, columns, rails and ladders.
 #include <algorithm>
 #include <cmath>
 
@@ -26,10 +26,10 @@ void add_column(ModelBuilder& builder, const Paint& paint, const Frame& frame, f
 }
 
 void add_railing(ModelBuilder& builder, const Paint& paint, const Frame& frame, float length_m) {
-  const int spans = std::max(1, static_cast<int>(std::lround(length_m / 1.5f)));
+  const int spans = std::max(1, static_cast<int>(std::lround(length_m / 2.0f)));
   for (int k = 0; k <= spans; ++k) {
     const float x = length_m * static_cast<float>(k) / static_cast<float>(spans);
-    add_tube(builder, paint, frame.point({x, 0, 0}), frame.point({x, 1.1f, 0}), 0.022f, 8);
+    add_tube(builder, paint, frame.point({x, 0, 0}), frame.point({x, 1.1f, 0}), 0.022f, 6);
   }
   for (const float y : {0.55f, 1.1f}) add_tube(builder, paint, frame.point({0, y, 0}), frame.point({length_m, y, 0}), 0.022f, 8);
   add_box(builder, paint, frame, {0, 0.01f, -0.006f}, {length_m, 0.15f, 0.006f}, kFaceFront | kFaceBack | kFaceTop);
@@ -37,27 +37,16 @@ void add_railing(ModelBuilder& builder, const Paint& paint, const Frame& frame, 
 
 void add_ladder(ModelBuilder& builder, const Paint& paint, const Frame& frame, float height_m) {
   for (const float x : {-0.22f, 0.22f}) add_box(builder, paint, frame, {x - 0.006f, 0, -0.03f}, {x + 0.006f, height_m + 1.0f, 0.03f}, kNoEnds);
-  for (float y = 0.3f; y < height_m; y += 0.3f) add_tube(builder, paint, frame.point({-0.22f, y, 0}), frame.point({0.22f, y, 0}), 0.012f, 6);
-  for (float y = 2.4f; y < height_m + 0.9f; y += 0.9f) {  // hoops of the cage
-    constexpr int kHoopParts = 8;
+  for (float y = 0.3f; y < height_m; y += 0.3f) add_tube(builder, paint, frame.point({-0.22f, y, 0}), frame.point({0.22f, y, 0}), 0.012f, 5);
+  for (float y = 2.4f; y < height_m + 0.9f; y += 1.2f) {  // hoops of the cage
+    constexpr int kHoopParts = 6;
     glm::vec3 before = frame.point({-0.22f, y, 0});
     for (int k = 1; k <= kHoopParts; ++k) {
       const float angle = 3.14159265f * static_cast<float>(k) / kHoopParts;
       const glm::vec3 here = frame.point({k == kHoopParts ? 0.22f : -0.36f * std::cos(angle), y, 0.72f * std::sin(angle)});
-      add_tube(builder, paint, before, here, 0.014f, 5);
+      add_tube(builder, paint, before, here, 0.014f, 4);
       before = here;
     }
-  }
-}
-
-void add_grating(ModelBuilder& builder, const Paint& paint, const Frame& frame, glm::vec2 size_m) {
-  constexpr float kBarPitch = 0.16f, kBarHeight = 0.04f, kBarHalf = 0.0035f;
-  constexpr unsigned kSides = kFaceTop | kFaceBottom | kFaceFront | kFaceBack;
-  for (float z = kBarPitch; z < size_m.y; z += kBarPitch) {
-    add_box(builder, paint, frame, {0, -kBarHeight, z - kBarHalf}, {size_m.x, 0, z + kBarHalf}, kSides);
-  }
-  for (float x = 0.4f; x < size_m.x; x += 0.8f) {
-    add_box(builder, paint, frame, {x - kBarHalf, -kBarHeight + 0.01f, 0}, {x + kBarHalf, -0.002f, size_m.y}, kFaceTop | kFaceLeft | kFaceRight);
   }
 }
 
