@@ -36,25 +36,24 @@ Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWor
   if (!views) return tl::unexpected(views.error());
   const std::vector<glm::dvec3>& positions = (*views)->positions;
   if (id.view >= positions.size()) return fail(ErrorCode::kNotFound, "a cell with {} views has no view {}", positions.size(), id.view);
-  CellSpace space = CellSpace::of_shell(shells_, id.cell, tree_->scene_root());
+  const CellSpace space = CellSpace::of_shell(shells_, id.cell, tree_->scene_root());
   const Result<bool> is_leaf = tree_->is_leaf(id.cell, cancel);
   if (!is_leaf) return tl::unexpected(is_leaf.error());
   const glm::dvec3 offset = (positions[id.view] - space.box.center()) / space.side_m;
   const double gain = warp_gain(offset, settings_.kappa);
   const double tolerance = settings_.tau_px * settings_.display.pixel_pitch() / gain;
+  std::shared_ptr<const VisibleBlocks> visible;
+  if (*is_leaf) {
+    auto blocks = visible_blocks(space, positions[id.view], id.view, cancel);
+    if (!blocks) return tl::unexpected(blocks.error());
+    visible = *blocks;
+  }
   Tile tile;
   if (id.is_delta()) {
     DeltaSkips skips;
-    space.sees_through_near = !*is_leaf;  // in a leaf, near geometry hides the same from everyone who stands at this view
-    tile = cast_delta_tile(*scene_, space, positions, id, settings_.edge_samples(), gain, tolerance, work, skips);
+    tile = cast_delta_tile(*scene_, space, positions, id, settings_.edge_samples(), gain, tolerance, visible.get(), work, skips);
     skips_.blocks_probed += skips.blocks_probed, skips_.blocks_cast += skips.blocks_cast, skips_.samples_held += skips.samples_held;
   } else {
-    std::shared_ptr<const VisibleBlocks> visible;
-    if (*is_leaf) {
-      auto blocks = visible_blocks(space, positions[0], cancel);
-      if (!blocks) return tl::unexpected(blocks.error());
-      visible = *blocks;
-    }
     tile = cast_dense_tile(*scene_, space, positions[0], id, settings_.edge_samples(), gain, tolerance, visible.get(), work);
     skips_.samples_hidden += tile.samples() - work.rays;
   }
@@ -63,19 +62,19 @@ Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWor
   return tile;
 }
 
-Result<std::shared_ptr<const VisibleBlocks>> TileMaker::visible_blocks(const CellSpace& space, const glm::dvec3& view,
-                                                                        const CancelFlag& cancel) {
-  constexpr std::size_t kRemembered = 16;
+Result<std::shared_ptr<const VisibleBlocks>> TileMaker::visible_blocks(const CellSpace& space, const glm::dvec3& position,
+                                                                        int view, const CancelFlag& cancel) {
+  constexpr std::size_t kRemembered = 256;  // some 20 kB each
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [cell, blocks] : recent_)
-      if (cell == space.cell) return blocks;
+    for (const auto& [key, blocks] : recent_)
+      if (key == std::pair(space.cell, view)) return blocks;
   }
   const auto seen = tree_->visibility(space.cell, cancel);
   if (!seen) return tl::unexpected(seen.error());
-  auto made = std::make_shared<const VisibleBlocks>(**seen, space, view, settings_.edge_samples());
+  auto made = std::make_shared<const VisibleBlocks>(**seen, space, position, settings_.edge_samples());
   const std::lock_guard lock(mutex_);
-  recent_.emplace_front(space.cell, made);
+  recent_.emplace_front(std::pair(space.cell, view), made);
   if (recent_.size() > kRemembered) recent_.pop_back();
   return made;
 }

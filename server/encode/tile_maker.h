@@ -35,12 +35,13 @@ class TileMaker : public TileSource {
   const NestedShells shells_;
   const ImpostorSettings settings_;
   int quality_of(const TileId& id) const;
-  Result<std::shared_ptr<const VisibleBlocks>> visible_blocks(const CellSpace& space, const glm::dvec3& view, const CancelFlag& cancel);
+  Result<std::shared_ptr<const VisibleBlocks>> visible_blocks(const CellSpace& space, const glm::dvec3& position, int view,
+                                                              const CancelFlag& cancel);
 
   const std::shared_ptr<CellTree> tree_;
   SkipCounters skips_;
   std::mutex mutex_;  // guards recent_
-  std::list<std::pair<CellId, std::shared_ptr<const VisibleBlocks>>> recent_;  // of leaves, newest first
+  std::list<std::pair<std::pair<CellId, int>, std::shared_ptr<const VisibleBlocks>>> recent_;  // of leaves' views, newest first
 };
 
 /// A leaf source and a tile source that share the tree and the views of one scene.

@@ -13,8 +13,7 @@ struct CellSpace {
   CellId cell;
   Box box;           // of viewpoints
   double side_m = 1;
-  RayClip shell;     // rays begin where they leave the near region and end where they leave the parent's …
-  bool sees_through_near = true;  // … unless near geometry is to hide what lies behind it: then they begin at the view
+  RayClip shell;     // rays begin where they leave the near region and end where they leave the parent's
 
   /// The shell of a cell; the root's reaches to infinity, which no later code needs to know: its ancestors' near
   /// regions hold the scene anyway.
@@ -30,7 +29,6 @@ struct CellSpace {
     space.shell.inside = space.box;
     return space;
   }
-  RayClip cast_clip() const { return sees_through_near ? shell : RayClip{{}, shell.outside}; }
   bool contains(const glm::dvec3& point) const { return shell.outside.contains(point) && !shell.inside.contains(point); }
 };
 

@@ -21,7 +21,10 @@ class DeltaCaster {
   }
 
   // Two rays per block, eight blocks a packet; a block with a void brings its eight neighbours along.
-  std::vector<BlockPlace> find_blocks(DeltaSkips& skips) const {
+  std::vector<BlockPlace> find_blocks(const VisibleBlocks* visible, DeltaSkips& skips) const {
+    const auto is_visible = [&](int x, int y) {
+      return !visible || visible->contains(id_.face, face_block_x(x) * kBlockSamples, face_block_y(y) * kBlockSamples);
+    };
     std::vector<std::uint8_t> wanted(static_cast<std::size_t>(columns_) * rows_, 0);
     for (int y = 0; y < rows_; y += 2)
       for (int x = 0; x < columns_; x += 4) {
@@ -30,10 +33,10 @@ class DeltaCaster {
         rays.active = 0;
         for (int lane = 0; lane < kPacketSize; ++lane) {
           const int bx = x + lane % 4, by = y + lane / 4 % 2, second = lane / 8;
-          if (bx >= columns_ || by >= rows_) continue;
+          if (bx >= columns_ || by >= rows_ || !is_visible(bx, by)) continue;
           rays.active |= 1u << lane;
           const int i = face_block_x(bx) * kBlockSamples + (second ? 5 : 2), j = face_block_y(by) * kBlockSamples + (second ? 5 : 2);
-          set_ray(rays, lane, frame_.position, frame_.direction(i, j), space_.cast_clip());
+          set_ray(rays, lane, frame_.position, frame_.direction(i, j), space_.shell);
         }
         if (!rays.active) continue;
         scene_.intersect(rays, hits);
@@ -44,6 +47,7 @@ class DeltaCaster {
     std::vector<BlockPlace> blocks;
     for (int x = 0; x < columns_; ++x)
       for (int y = 0; y < rows_; ++y) {
+        if (!is_visible(x, y)) continue;
         bool near = false;
         for (int dy = -1; dy <= 1; ++dy)
           for (int dx = -1; dx <= 1; ++dx) {
@@ -64,7 +68,6 @@ class DeltaCaster {
     for (int lane = 0; lane < kPacketSize; ++lane) {
       if (!(rays.active >> lane & 1) || hits.part[lane] == kNoHit) continue;
       points[lane] = hit_point(rays, hits, lane);
-      if (!space_.sees_through_near && space_.shell.inside.contains(points[lane])) continue;
       open |= 1u << lane;
       normals[lane] = {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]};
     }
@@ -177,7 +180,7 @@ std::vector<std::uint8_t> with_border(const Tile& tile, const PackedSamples& s) 
 }  // namespace
 
 Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
-                     int edge_samples, double warp_gain, double tolerance, TileWork& work, DeltaSkips& skips) {
+                     int edge_samples, double warp_gain, double tolerance, const VisibleBlocks* visible, TileWork& work, DeltaSkips& skips) {
   Tile tile;
   tile.id = id;
   tile.edge_samples = edge_samples;
@@ -188,7 +191,7 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   // A blocker nearer to the point than the tolerance can tell is the point itself: relative slack tolerance·z.
   const double nearest = exit_distance(space.shell.inside, view, frame.face.direction(0.0, 0.0)) / space.side_m;
   const DeltaCaster caster(scene, space, views, id, frame, std::min(0.05, tolerance * nearest));
-  tile.blocks = caster.find_blocks(skips);
+  tile.blocks = caster.find_blocks(visible, skips);
   if (tile.blocks.empty()) return tile;
   set_size(tile);
   PackedSamples s = cast_blocks(scene, space, frame, caster, tile);

@@ -18,8 +18,10 @@ struct DeltaSkips {
 /// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe (two rays per block) finds blocks
 /// with voids; these and their neighbours are cast whole; samples that an earlier view holds at no less than half the
 /// resolution are dropped, except for a one-sample border that meets the held surface.
+/// `visible`: blocks outside it are neither probed nor cast; null: all may be.
 /// Returns: a packed tile, without blocks if nothing is missing.
 Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
-                     int edge_samples, double warp_gain, double tolerance, TileWork& work, DeltaSkips& skips);
+                     int edge_samples, double warp_gain, double tolerance, const VisibleBlocks* visible, TileWork& work,
+                     DeltaSkips& skips);
 
 }  // namespace farfield

@@ -11,7 +11,7 @@ void cast_samples(const Scene& scene, const CellSpace& space, const ViewFrame& f
   HitPacket hits;
   rays.active = 0;
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    set_ray(rays, lane, frame.position, frame.direction(i[lane], j[lane]), space.cast_clip());
+    set_ray(rays, lane, frame.position, frame.direction(i[lane], j[lane]), space.shell);
     if (index[lane] >= 0) rays.active |= 1u << lane;
   }
   scene.intersect(rays, hits);
@@ -22,8 +22,7 @@ void cast_samples(const Scene& scene, const CellSpace& space, const ViewFrame& f
     const std::size_t at = static_cast<std::size_t>(index[lane]);
     out.known[at] = 1;
     if (hits.part[lane] == kNoHit) continue;
-    // Hidden by near geometry: not part of the shell, and not to be seen from here.
-    if (!space.sees_through_near && space.shell.inside.contains(hit_point(rays, hits, lane))) continue;
+
     const SurfacePlane plane = plane_at(frame, rays, hits, lane);
     out.covered[at] = 1;
     out.disparity[at] = plane.disparity;

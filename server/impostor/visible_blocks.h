@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which 8×8 blocks of a leaf's intra view some viewpoint of the leaf can see: what near geometry always hides is
+// Which 8×8 blocks of a view of a leaf's shell hold what some viewpoint of the leaf can see: what near geometry always hides is
 // neither cast nor sent. Only for leaves: an inner cell's shell is shared by leaves that see different parts of it.
 #pragma once
 
