@@ -25,7 +25,9 @@ find_package(glfw3 REQUIRED)
 find_path(ASIO_INCLUDE_DIR asio.hpp REQUIRED)
 add_library(farfield_asio INTERFACE)
 target_include_directories(farfield_asio SYSTEM INTERFACE ${ASIO_INCLUDE_DIR})
-target_compile_definitions(farfield_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED)
+# Asio 1.22 uses aligned_alloc() only in files that include a standard header before it: memory taken in one way would be
+# given back in the other.
+target_compile_definitions(farfield_asio INTERFACE ASIO_STANDALONE ASIO_NO_DEPRECATED ASIO_DISABLE_STD_ALIGNED_ALLOC)
 target_link_libraries(farfield_asio INTERFACE Threads::Threads)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   # Asio 1.22 asks for the compiler's old name of coroutines.

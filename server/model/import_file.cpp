@@ -23,6 +23,13 @@
 namespace farfield {
 namespace {
 
+// Sanitizers reserve terabytes of address space for themselves.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimitsAddressSpace = false;
+#else
+constexpr bool kLimitsAddressSpace = true;
+#endif
+
 bool set_limit(__rlimit_resource resource, std::uint64_t value) {
   const rlimit limit{value, value};
   return setrlimit(resource, &limit) == 0;
@@ -47,7 +54,7 @@ Status import_and_write(const std::filesystem::path& path, int output) {
 Status limit_import_process(const ImportLimits& limits) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   std::signal(SIGXFSZ, SIG_IGN);  // then a stream beyond the limit is an error of write(), not a signal
-  if (!set_limit(RLIMIT_CORE, 0) || !set_limit(RLIMIT_AS, limits.memory_bytes) ||
+  if (!set_limit(RLIMIT_CORE, 0) || (kLimitsAddressSpace && !set_limit(RLIMIT_AS, limits.memory_bytes)) ||
       !set_limit(RLIMIT_FSIZE, limits.memory_bytes) || !set_limit(RLIMIT_CPU, limits.cpu_seconds)) {
     return fail(ErrorCode::kInternal, "the import process cannot be limited: {}", std::strerror(errno));
   }

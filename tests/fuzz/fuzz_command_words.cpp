@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(farfield::parse_link_model(farfield::to_string(*link)).has_value(), "links are printed as they are read");
   }
   // Brackets inside a name are nobody's host; the resolver says so.
-  const bool has_bracket = text.find_first_of("[]", 1) != std::string_view::npos && text.front() != '[';
+  const bool has_bracket = text.find_first_of("[]") != std::string_view::npos && text.front() != '[';
   if (const auto endpoint = farfield::parse_endpoint(text); endpoint && !has_bracket) {
     const auto again = farfield::parse_endpoint(farfield::to_string(*endpoint));
     require(again && again->port == endpoint->port && again->host == endpoint->host, "endpoints are printed as they are read");
