@@ -9,9 +9,20 @@
 namespace farfield::client {
 namespace {
 
-/// How far outside its leaf a complete set is still worth showing, in sides: its shells begin kappa sides away, so
-/// one side outside it parallax is at most doubled; farther out its near geometry ends too close.
-constexpr double kUsableSides = 1.0;
+/// What a fallback view is worth: as much as a whole set seen from this many sides outside its leaf. A set's near
+/// geometry is exact for kappa sides around its leaf, and from there its shells begin; a fallback view is made for one
+/// point, at a quarter of the samples, of everything beyond the leaf's walls.
+constexpr double kFallbackSides = 1.5;
+
+/// How much nearer another set has to be to take the screen: a walk along a border does not switch to and fro.
+constexpr double kSwitchSides = 0.25;
+
+/// How far outside its leaf a fallback view still does, in sides, until that of the next leaf is there.
+constexpr double kFallbackReach = 0.25;
+
+double distance_sides(const TrackedLeafSet& set, const glm::dvec3& eye) {
+  return set.sides_outside(eye) + (set.set().is_fallback ? kFallbackSides : 0.0);
+}
 
 }  // namespace
 
@@ -114,27 +125,16 @@ bool LeafSets::update(bool with_refinement) {
 }
 
 LeafSets::Tracked LeafSets::choose() const {
-  Tracked inside, nearest, fallback;
-  double nearest_sides = kUsableSides;
-  double fallback_sides = std::numeric_limits<double>::infinity();
+  Tracked nearest;
+  double nearest_sides = std::numeric_limits<double>::infinity();
   for (const Tracked& set : sets_) {  // newest last, and the newest of equals wins
     if (!set->is_complete()) continue;
-    const double sides = set->sides_outside(eye_);
-    if (set->set().is_fallback) {
-      if (sides <= fallback_sides) fallback = set, fallback_sides = sides;
-    } else if (set->box().contains(eye_)) {
-      inside = set;
-    } else if (sides <= nearest_sides) {
-      nearest = set, nearest_sides = sides;
-    }
+    const bool is_inside = !set->set().is_fallback && set->box().contains(eye_);
+    const double sides = is_inside ? -kSwitchSides : distance_sides(*set, eye_) - (set == shown_ ? kSwitchSides : 0.0);
+    if (sides <= nearest_sides) nearest = set, nearest_sides = sides;
   }
-  if (inside) return inside;
-  const bool shows_whole = shown_ && shown_->is_complete();
-  const double shown_sides = shown_ ? shown_->sides_outside(eye_) : std::numeric_limits<double>::infinity();
-  if (shows_whole && !shown_->set().is_fallback && shown_sides <= kUsableSides) return shown_;
   if (nearest) return nearest;
-  if (fallback && !(shows_whole && shown_sides <= fallback_sides)) return fallback;
-  if (shows_whole || (shown_ && shown_->held() > 0)) return shown_;
+  if (shown_ && shown_->held() > 0) return shown_;
   // Nothing was ever complete: the fallback view as far as it has come, else the set itself.
   if (fallback_ && fallback_->held() > 0) return fallback_;
   return awaited_ && awaited_->held() > 0 ? awaited_ : nullptr;
@@ -162,7 +162,8 @@ LeafSets::Tracked LeafSets::find_fallback() const {
 }
 
 bool LeafSets::has_usable_view() const {
-  return shown_ && shown_->is_complete() && shown_->sides_outside(eye_) <= kUsableSides;
+  if (!shown_ || !shown_->is_complete()) return false;
+  return shown_->sides_outside(eye_) <= (shown_->set().is_fallback ? kFallbackReach : kFallbackSides);
 }
 
 void LeafSets::assign_roles() {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // All leaf sets a client knows, what it holds of them, and which one is on the screen.
 //
-// A set is shown only as a whole: until the set of the eye's leaf is complete, the one before stays (design.md
-// section 2). Order of preference: the complete set whose leaf holds the eye; the set already shown while the eye is
-// at most one side outside its leaf; another complete set as near; a complete fallback view; what was shown before;
-// and, while nothing has ever been complete, whatever has arrived. Once something is shown there is always something.
+// A set is shown only as a whole: until the set of the eye's leaf is complete, an older one stays (design.md
+// section 2). Of the complete sets the one whose leaf is nearest to the eye is shown, whichever leaf the eye has been
+// in meanwhile: distance is counted in sides of the set's leaf, a fallback view counts as kFallbackSides farther than
+// it is, and the set on the screen stays unless another is nearer by kSwitchSides. While nothing has ever been
+// complete, whatever has arrived is shown. Once something is shown there is always something.
 //
 // Memory: what the shown and the awaited set need is pinned. If these alone exceed the budget, room is made in this
 // order: finest texture levels of the awaited set, then of the shown one; then the farthest items of whichever of the
@@ -62,7 +63,7 @@ class LeafSets {
   const std::shared_ptr<const LeafView>& view() const { return view_; }
   /// Null: nothing. What view() was made from, now possibly further along.
   const TrackedLeafSet* shown() const { return shown_.get(); }
-  /// Something usable is on the screen: the eye is at most one side outside a complete set or fallback view.
+  /// Something usable is on the screen: a complete set or fallback view, and the eye not too far outside its leaf.
   bool has_usable_view() const;
   bool needs_refinement() const { return is_stale_; }
   /// Changes whenever group_of() may answer differently for payloads that wait.

@@ -28,7 +28,7 @@ namespace farfield {
 /// What makes one piece of work more urgent than another: what somebody waits for before what is only expected, then
 /// the sooner, then the larger share of the view.
 struct WorkPriority {
-  double seconds_until_needed = 0;  // 0: somebody waits for it now
+  double seconds_until_needed = 0;  // 0: somebody waits for it now; below: and other work waits for it
   float view_share = 0;             // of the sphere of directions, 0 … 1
   bool prefetch = false;            // the viewer is elsewhere still
 

@@ -14,7 +14,8 @@ namespace {
 constexpr double kLongestUntilNeeded_s = 3600.0;
 
 double bounded_seconds(double seconds) {
-  return seconds > 0 ? std::min(seconds, kLongestUntilNeeded_s) : 0.0;  // NaN: now
+  if (std::isnan(seconds)) return 0.0;  // now
+  return std::clamp(seconds, -JobQueue::kMostOverdue_s, kLongestUntilNeeded_s);
 }
 
 }  // namespace

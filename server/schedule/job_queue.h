@@ -43,6 +43,8 @@ class JobQueue {
 
   /// Due times closer than this count as equal, so that the share of the view can decide between the tiles of a leaf.
   static constexpr double kDueStep_s = 0.1;
+  /// Work that other work waits for may be pushed as overdue by up to this: before all that was asked for since.
+  static constexpr double kMostOverdue_s = 2.0;
   /// How far prefetched work stands back behind demanded work due at the same time. Longer than any prediction
   /// reaches: demand that was not foreseen still passes all prefetches, unless they have waited this long already.
   static constexpr double kPrefetchDelay_s = 8.0;

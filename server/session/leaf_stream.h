@@ -14,7 +14,8 @@ namespace farfield {
 
 class LeafStream {
  public:
-  enum class Role { kFallback, kCurrent, kPrefetch };
+  /// kLeft: of a leaf the viewer has just left, nearer to complete than the current one.
+  enum class Role { kFallback, kLeft, kCurrent, kPrefetch };
 
   LeafStream(const CellService& service, std::uint64_t serial, std::shared_ptr<const LeafPlan> plan, Role role,
              double seconds_until_needed)
@@ -26,7 +27,7 @@ class LeafStream {
 
   const std::uint64_t serial;
   const std::shared_ptr<const LeafPlan> plan;
-  const Role role;
+  Role role;
   const double seconds_until_needed;
   bool is_announced = false;
   bool is_complete = false;          // LeafSetComplete is on its way

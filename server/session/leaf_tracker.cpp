@@ -25,6 +25,11 @@ bool LeafTracker::is_in_current(const glm::dvec3& viewpoint) const {
   return current && grid_.box(current->leaf).contains(viewpoint);
 }
 
+bool LeafTracker::is_near_current(const glm::dvec3& viewpoint) const {
+  const std::shared_ptr<const LeafPlan>& current = pump_->current();
+  return current && grid_.box(current->leaf).grown(grid_.side_m(current->leaf.level)).contains(viewpoint);
+}
+
 void LeafTracker::move(const Pose& pose, double time_s) {
   if (is_stopped_) return;
   pose_ = pose;
@@ -55,11 +60,11 @@ void LeafTracker::demand() {
     events_.on_enter(std::move(known));
     return;
   }
-  // The oldest goes only after the newest was asked, which may join the same work.
+  // What goes, goes only after the newest was asked, which may join the same work. The oldest is nearest to its answer.
   Question question{next_number_++, finest, 0.0, {}};
-  question.ticket = ask(viewpoint, WorkPriority{0.0, 1.0f, false}, question.number);
+  question.ticket = ask(viewpoint, WorkPriority{-kPlanOverdue_s, 1.0f, false}, question.number);
   demanded_.push_back(std::move(question));
-  if (demanded_.size() > kDemanded) demanded_.erase(demanded_.begin());
+  if (demanded_.size() > kDemanded) demanded_.erase(demanded_.begin() + 1);
 }
 
 Ticket LeafTracker::ask(const glm::dvec3& viewpoint, const WorkPriority& priority, std::uint64_t number) {
@@ -94,8 +99,8 @@ void LeafTracker::receive_demanded(std::uint64_t number, LeafAnswer plan) {
   // Earlier questions are answered by this one: its viewpoint is nearer to where the viewer is.
   std::erase_if(demanded_, [&](const Question& question) { return question.number <= number; });
   const bool is_where_viewer_is = grid_.box((*plan)->leaf).contains(pose_->position);
-  // An answer the viewer has already left still beats none, unless a newer one is on its way soon.
-  if (is_where_viewer_is || is_newest || !pump_->current()) {
+  // An answer the viewer has already left still beats none: its shells are mostly those of the leaf the viewer is in.
+  if (is_where_viewer_is || is_newest || !is_near_current(pose_->position)) {
     if (is_where_viewer_is) demanded_.clear();
     events_.on_enter(std::move(*plan));
   }
@@ -111,13 +116,19 @@ void LeafTracker::look_ahead(double time_s) {
     std::erase_if(ahead_, [&](const Question& question) { return !is_target_in(grid_.box(question.finest)); });
   }
   pump_->keep_prefetch([&](const CellId& leaf) { return is_target_in(grid_.box(leaf)); }, is_new_way);
-  for (const PrefetchTarget& target : targets_) {
+  ask_ahead();
+}
+
+void LeafTracker::ask_ahead() {
+  if (is_stopped_ || !pump_->has_spare_capacity()) return;
+  // A copy: what is known already is prefetched at once, and the pump may call again.
+  for (const PrefetchTarget& target : std::vector<PrefetchTarget>(targets_)) {
     if (ahead_.size() >= kAhead) break;
-    if (!is_in_current(target.viewpoint)) ask_ahead(target);
+    if (!is_in_current(target.viewpoint)) ask_for(target);
   }
 }
 
-void LeafTracker::ask_ahead(const PrefetchTarget& target) {
+void LeafTracker::ask_for(const PrefetchTarget& target) {
   if (std::shared_ptr<const LeafPlan> known = pump_->announced_at(target.viewpoint)) {
     pump_->prefetch(std::move(known), target.seconds_until_needed);
     return;

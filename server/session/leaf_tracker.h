@@ -3,7 +3,9 @@
 // tickets, and drops what the viewer's way has made pointless.
 //
 // A leaf answers for every viewpoint in its box, so poses inside the known leaf cost nothing. While an answer is
-// outstanding and the viewer moves on, newer questions join it; answers count in the order of their questions.
+// outstanding and the viewer moves on, newer questions join it; answers count in the order of their questions. The
+// oldest question is never dropped for newer ones: somebody who walks faster than plans are made still gets plans.
+// Leaves ahead are only asked for while the pump has nothing else to do.
 // Threads: the connection's executor. After stop() no event is called any more.
 #pragma once
 
@@ -36,6 +38,8 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
   void move(const Pose& pose, double time_s);
   /// The same viewpoint again, after on_wait.
   void move_again();
+  /// The pump has time for what is ahead.
+  void ask_ahead();
   void stop();
 
  private:
@@ -50,14 +54,18 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
 
   void demand();
   void look_ahead(double time_s);
-  void ask_ahead(const PrefetchTarget& target);
+  void ask_for(const PrefetchTarget& target);
   Ticket ask(const glm::dvec3& viewpoint, const WorkPriority& priority, std::uint64_t number);
   void receive(std::uint64_t number, LeafAnswer plan);
   void receive_demanded(std::uint64_t number, LeafAnswer plan);
   bool is_in_current(const glm::dvec3& viewpoint) const;
+  /// At most one of its sides outside the current leaf.
+  bool is_near_current(const glm::dvec3& viewpoint) const;
 
   static constexpr std::size_t kDemanded = 3;  // questions about where the viewer is
-  static constexpr std::size_t kAhead = 4;     // about where they will be
+  static constexpr std::size_t kAhead = 2;     // about where they will be
+  /// Nothing can be asked for before the leaf is known: its plan goes before the tiles of the leaf being left.
+  static constexpr double kPlanOverdue_s = 2.0;
 
   asio::any_io_executor executor_;
   std::shared_ptr<CellService> service_;

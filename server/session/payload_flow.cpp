@@ -24,6 +24,10 @@ void PayloadPump::pump() {
   finish_streams();
   request_more();
   is_pumping_ = false;
+  const bool is_spare = has_spare_capacity();
+  const bool has_become_spare = is_spare && !was_spare_;
+  was_spare_ = is_spare;
+  if (has_become_spare && on_spare_) on_spare_();
 }
 
 void PayloadPump::retry_failed() {
@@ -103,6 +107,13 @@ void PayloadPump::finish_streams() {
     }
     ++i;
   }
+  // A leaf that was left has nothing more to wait for; and once the current leaf is complete it need not be waited for.
+  for (std::size_t i = streams_.size(); i-- > 0;) {
+    if (streams_[i]->role != LeafStream::Role::kLeft || !(streams_[i]->is_complete || is_current_complete())) continue;
+    const std::uint64_t left = streams_[i]->serial;
+    drop_stream(i);
+    if (is_current_complete()) drop_requests([&](ContentHash, const Pending& p) { return p.stream == left; });
+  }
 }
 
 void PayloadPump::request_more() {
@@ -110,8 +121,8 @@ void PayloadPump::request_more() {
   for (std::size_t i = 0; i < streams_.size(); ++i) {
     LeafStream& stream = *streams_[i];
     if (stream.is_prefetch()) {
-      // Ahead of need only when nothing needed waits.
-      if (!parts_.connection->has_room() || !parts_.planner.may_prefetch()) return;
+      // Ahead of need only when nothing needed waits: what is cast for later is not cast for now.
+      if (!parts_.connection->has_room() || !parts_.planner.may_prefetch() || !has_spare_capacity()) break;
       if (!stream.is_announced) announce(stream);
     }
     const auto is_waiting = [&](ContentHash key) {

@@ -2,6 +2,7 @@
 #include "server/session/payload_order.h"
 
 #include <algorithm>
+#include <numeric>
 #include <unordered_set>
 
 namespace farfield {
@@ -53,8 +54,15 @@ std::vector<PayloadItem> payload_order(const CellService& service, const LeafPla
   }
 
   const ContentHash scene_hash = service.scene().hash;
-  const std::size_t tile_count = is_fallback ? plan.fallback_tiles.size() : plan.tiles.size();
-  for (std::uint32_t i = 0; i < tile_count; ++i) {
+  std::vector<std::uint32_t> tiles(is_fallback ? plan.fallback_tiles.size() : plan.tiles.size());
+  std::iota(tiles.begin(), tiles.end(), 0u);
+  if (!is_fallback) {
+    // Stable: within a shell the larger share of the view stays first.
+    std::stable_sort(tiles.begin(), tiles.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return plan.tiles[a].id.cell.level > plan.tiles[b].id.cell.level;
+    });
+  }
+  for (const std::uint32_t i : tiles) {
     const TileId& id = is_fallback ? plan.fallback_tiles[i] : plan.tiles[i].id;
     add(PayloadItem::Kind::kTile, tile_payload_key(scene_hash, id), i, 0);
   }

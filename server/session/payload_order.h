@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The payloads of one leaf set in the order in which they are worth sending.
 //
-//   chunks, nearest first, each with the coarse levels of its texture ─▶ tiles, nearest shell first ─▶ finer levels
+//   chunks, nearest first, each with the coarse levels of its texture ─▶ tiles, outermost shell first ─▶ finer levels
 //
-// A viewer with these in this order first has surfaces under their feet, then a horizon, then detail.
+// A set is shown whole, so within it the order of tiles decides only what is wasted when the viewer leaves before it
+// is complete. The outer shells are the next leaf's as well, and the leaf's own shell nobody else's: outermost first,
+// every tile made shortens the way to the next complete set, however fast the viewer walks.
 #pragma once
 
 #include <cstdint>

@@ -66,20 +66,56 @@ void PayloadPump::announce(LeafStream& stream) {
   if (announced_.size() > kManifestsKept) announced_.pop_front();
 }
 
+bool PayloadPump::has_spare_capacity() const {
+  const auto is_done = [](const auto& stream) { return stream->is_prefetch() || stream->is_complete; };
+  return current_ && pending_.size() == pending_prefetch_ && std::all_of(streams_.begin(), streams_.end(), is_done);
+}
+
+// Of the streams of leaves now left, keeps the one that is nearest to complete, if it is worth finishing.
+void PayloadPump::leave_current(const LeafStream& next) {
+  // Farther away than one of its sides a set is of no use any more.
+  const CellGrid grid{parts_.service->scene().settings.finest_side_m};
+  const Box next_box = grid.box(next.plan->leaf);
+  const LeafStream* best = nullptr;
+  std::size_t best_missing = missing(next) / 2;
+  for (const auto& stream : streams_) {
+    if (stream->role != LeafStream::Role::kCurrent && stream->role != LeafStream::Role::kLeft) continue;
+    if (stream->is_complete || stream->plan->leaf == next.plan->leaf) continue;
+    const Box reach = grid.box(stream->plan->leaf).grown(grid.side_m(stream->plan->leaf.level));
+    if (!reach.intersects(next_box) || missing(*stream) > best_missing) continue;
+    best = stream.get();
+    best_missing = missing(*stream);
+  }
+  for (std::size_t i = streams_.size(); i-- > 0;) {
+    LeafStream& stream = *streams_[i];
+    if (&stream == best) {
+      stream.role = LeafStream::Role::kLeft;
+    } else if (stream.is_fallback()) {
+      if (stream.is_complete || 2 * missing(stream) > stream.items().size()) drop_stream(i);
+    } else if (!stream.is_prefetch() || stream.plan->leaf == next.plan->leaf) {
+      drop_stream(i);
+    }
+  }
+}
+
 void PayloadPump::enter(std::shared_ptr<const LeafPlan> plan, bool wants_fallback) {
   if (is_stopped_ || (current_ && current_->leaf == plan->leaf)) return;
   current_ = std::move(plan);
   withdraw_queued(Lane::kPayload);
   withdraw_queued(Lane::kPrefetch);
-  for (std::size_t i = streams_.size(); i-- > 0;) {
-    if (!streams_[i]->is_prefetch() || streams_[i]->plan->leaf == current_->leaf) drop_stream(i);
-  }
 
   const Announced* before = find_announced(current_->leaf);
   auto stream = std::make_unique<LeafStream>(*parts_.service, before ? before->serial : next_serial_++, current_,
                                              LeafStream::Role::kCurrent, 0.0);
+  leave_current(*stream);
   std::unordered_set<ContentHash> needed;
-  for (const PayloadItem& item : stream->items()) needed.insert(item.key);
+  const auto need = [&](const LeafStream& kept) {
+    for (const PayloadItem& item : kept.items()) needed.insert(item.key);
+  };
+  need(*stream);
+  for (const auto& kept : streams_) {
+    if (!kept->is_prefetch()) need(*kept);
+  }
   drop_requests([&](ContentHash key, const Pending&) { return !needed.contains(key); });
   failed_.clear();
   if (before) {
@@ -89,15 +125,19 @@ void PayloadPump::enter(std::shared_ptr<const LeafPlan> plan, bool wants_fallbac
   } else {
     announce(*stream);
   }
-  streams_.insert(streams_.begin(), std::move(stream));
+  const auto place = std::find_if(streams_.begin(), streams_.end(), [](const auto& other) { return other->is_prefetch(); });
+  streams_.insert(place, std::move(stream));
   if (wants_fallback) want_fallback();
   pump();
 }
 
 void PayloadPump::want_fallback() {
   const LeafStream* stream = find_stream(LeafStream::Role::kCurrent);
-  if (is_stopped_ || !stream || find_stream(LeafStream::Role::kFallback) || stream->is_complete) return;
-  if (current_->fallback_tiles.empty()) return;
+  if (is_stopped_ || !stream || stream->is_complete || current_->fallback_tiles.empty()) return;
+  if (const LeafStream* known = find_stream(LeafStream::Role::kFallback)) {
+    if (known->plan->leaf == current_->leaf || !known->is_complete) return;
+    std::erase_if(streams_, [&](const auto& other) { return other.get() == known; });
+  }
   auto fallback = std::make_unique<LeafStream>(*parts_.service, next_serial_++, current_, LeafStream::Role::kFallback, 0.0);
   announce(*fallback);
   streams_.insert(streams_.begin(), std::move(fallback));
@@ -189,6 +229,7 @@ void PayloadPump::drop_stream(std::size_t index) {
 
 void PayloadPump::stop() {
   is_stopped_ = true;
+  on_spare_ = nullptr;
   streams_.clear();
   pending_.clear();
   arrived_.clear();

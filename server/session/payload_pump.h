@@ -4,9 +4,13 @@
 //
 //   leaf streams ── next item not held ──▶ request (ticket) ──▶ arrived ──▶ outbox, while it has room
 //
+// Order: the fallback view, if nothing usable is on the screen; the leaf just left, while finishing it takes at most
+// half of what the current leaf takes (a viewer who walks faster than sets are made then sees sets of a moment ago
+// instead of none); the current leaf; and, only when all these are done, leaves ahead.
+//
 // Back-pressure: nothing is requested while the outbox is full, and never more than `limits.requests` at a time, so
 // a slow client costs a bounded amount of memory and delays nobody. Stale: entering a leaf withdraws what waits in the
-// outbox and the requests the new leaf has no use for.
+// outbox and the requests that neither the new leaf nor a stream that is kept has a use for.
 // Threads: the connection's executor. Answers of the service are posted there.
 #pragma once
 
@@ -36,11 +40,14 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
     std::shared_ptr<const void> keep_alive;
   };
   PayloadPump(Parts parts, std::uint64_t first_serial);
+  /// Called whenever has_spare_capacity() has become true.
+  void on_spare_capacity(std::function<void()> call) { on_spare_ = std::move(call); }
 
   // ── what the viewer does ──
   /// The viewer is in this leaf now. The manifest is sent unless it is one of the last announced on this connection.
   void enter(std::shared_ptr<const LeafPlan> plan, bool wants_fallback);
-  /// Nothing usable is on the screen: the current leaf's fallback view goes first, once per stay in the leaf.
+  /// Nothing usable is on the screen: the current leaf's fallback view goes first, once per stay in the leaf, unless
+  /// that of a leaf before is under way and more than half done.
   void want_fallback();
   /// A leaf the viewer will probably enter. Ignored when it is known already or enough are under way.
   void prefetch(std::shared_ptr<const LeafPlan> plan, double seconds_until_needed);
@@ -58,6 +65,8 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   // ── questions ──
   const std::shared_ptr<const LeafPlan>& current() const { return current_; }
   bool is_current_complete() const;
+  /// The current leaf is complete and nothing anybody waits for is under way: time for what is ahead.
+  bool has_spare_capacity() const;
   std::uint64_t next_serial() const { return next_serial_; }
   /// A plan this client was told about lately whose leaf holds the viewpoint, or null.
   std::shared_ptr<const LeafPlan> announced_at(const glm::dvec3& viewpoint) const;
@@ -90,6 +99,8 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   /// Cancels the requests for which `is_stale` holds.
   void drop_requests(const std::function<bool(ContentHash, const Pending&)>& is_stale);
   void drop_stream(std::size_t index);
+  void leave_current(const LeafStream& next);
+  std::size_t missing(const LeafStream& stream) const { return stream.items().size() - stream.count_held(held_); }
   void request(const PayloadItem& item, LeafStream& stream);
   Ticket ask(const PayloadItem& item, const LeafStream& stream, std::uint64_t request);
   void receive(ContentHash key, std::uint64_t request, Result<SharedBytes> bytes);
@@ -103,12 +114,14 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   std::uint64_t next_serial_;
   std::uint64_t next_request_ = 1;
   std::shared_ptr<const LeafPlan> current_;
-  std::vector<std::unique_ptr<LeafStream>> streams_;  // in order of urgency: fallback, current, prefetched
+  std::vector<std::unique_ptr<LeafStream>> streams_;  // in order of urgency: of LeafStream::Role, then of need
   std::deque<Announced> announced_;                    // newest last, fallback views left out
   std::unordered_map<ContentHash, Pending> pending_;
   std::deque<ContentHash> arrived_;                    // keys of pending payloads that can be sent
   std::unordered_set<ContentHash> failed_;
   std::size_t pending_prefetch_ = 0;
+  std::function<void()> on_spare_;
+  bool was_spare_ = false;
   bool is_stopped_ = false;
   bool is_pumping_ = false;
 };

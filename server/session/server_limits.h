@@ -18,9 +18,11 @@ struct ServerLimits {
   std::size_t outbox_bytes = std::size_t{512} << 10;   // payloads waiting; what is already stale goes out otherwise
   std::size_t control_bytes = std::size_t{4} << 20;    // a peer that lets more than this wait is not reading
   std::size_t held_remembered = std::size_t{1} << 18;  // beyond it the oldest are forgotten, and would be sent again
-  std::size_t requests = 64;             // payloads asked of the cell service and not yet sent
-  std::size_t prefetch_requests = 16;    // of these, for leaves the viewer is not in
-  std::size_t prefetched_leaves = 4;     // leaf sets sent ahead at one time
+  /// Payloads asked of the cell service and not yet sent. Enough to keep a dozen threads busy; all of them are in the
+  /// queue before whatever the viewer needs next, so more only makes a change of plan slower.
+  std::size_t requests = 24;
+  std::size_t prefetch_requests = 8;     // of these, for leaves the viewer is not in
+  std::size_t prefetched_leaves = 2;     // leaf sets sent ahead at one time
   // ── time ──
   std::chrono::milliseconds hello_timeout{10'000};
   std::chrono::milliseconds ping_after{10'000};        // silence

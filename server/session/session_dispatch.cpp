@@ -117,6 +117,9 @@ void Session::start_streaming(const std::optional<ResumeState>& resumed) {
   events.on_wait = [this](Clock::duration wait) { wait_and_move(wait); };
   tracker_ = std::make_shared<LeafTracker>(connection_->executor(), service_, pump_, *planner_, world_.limits,
                                            world_.metrics, std::move(events), context_);
+  pump_->on_spare_capacity([weak = std::weak_ptr<LeafTracker>(tracker_)] {
+    if (const auto tracker = weak.lock()) tracker->ask_ahead();
+  });
 
   world_.registry.update(token_, ResumeState{service_->scene().name, pump_->next_serial(), resumed ? resumed->leaf : nullptr});
 }

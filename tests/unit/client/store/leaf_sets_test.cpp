@@ -166,7 +166,7 @@ TEST_F(LeafSetsTest, TheOldSetServesOneSideOutsideThenTheFallbackTakesOver) {
   sets.set_eye(made::eye_in(30));
   EXPECT_FALSE(sets.has_usable_view());
   sets.update(true);
-  EXPECT_TRUE(shows(1)) << "nothing better is here: the nearest complete picture";
+  EXPECT_TRUE(shows(0)) << "nothing better is here: a set is worth more than a fallback view as far away";
   sets.announce(made::fallback_set(3, 30, {8, 9}));
   sets.receive(made::tile(8));
   sets.update(true);
@@ -185,6 +185,49 @@ TEST_F(LeafSetsTest, TheOldSetServesOneSideOutsideThenTheFallbackTakesOver) {
   EXPECT_TRUE(shows(30));
   EXPECT_FALSE(sets.view()->is_fallback);
   EXPECT_LT(sets.view()->near_region.min.x, sets.view()->leaf_box.min.x - 1.9);
+}
+
+TEST_F(LeafSetsTest, ASetThatCompletesAfterItsLeafWasLeftIsShownWhenItIsNearer) {
+  show(1, 0, {1});
+  sets.set_eye(made::eye_in(1));
+  sets.announce(made::leaf_set(2, 1, {2}));
+  sets.set_eye(made::eye_in(2));
+  sets.announce(made::leaf_set(3, 2, {3}));
+  sets.update(true);
+  EXPECT_TRUE(shows(0));
+  sets.receive(made::tile(2));
+  EXPECT_TRUE(sets.update(false));
+  EXPECT_TRUE(shows(1)) << "half a side away instead of one and a half";
+  EXPECT_TRUE(is_late(sets.view().get(), made::eye_in(2)));
+  sets.receive(made::tile(3));
+  sets.update(false);
+  EXPECT_TRUE(shows(2));
+}
+
+TEST_F(LeafSetsTest, AWalkAlongABorderDoesNotSwitchToAndFro) {
+  show(1, 0, {1});
+  sets.announce(made::leaf_set(2, 2, {2}, false));
+  sets.receive(made::tile(2));
+  for (const double x : {1.45, 1.55, 1.45, 1.55}) {  // between leaves 0 and 2, and in neither
+    sets.set_eye({x, 0.5, 0.5});
+    sets.update(true);
+    EXPECT_TRUE(shows(0)) << x;
+  }
+  sets.set_eye({1.7, 0.5, 0.5});
+  sets.update(true);
+  EXPECT_TRUE(shows(2));
+}
+
+TEST_F(LeafSetsTest, AnotherFallbackViewIsWantedOnceTheEyeHasLeftTheLeafOfThisOne) {
+  sets.set_eye(made::eye_in(0));
+  sets.announce(made::fallback_set(1, 0, {7}));
+  sets.receive(made::tile(7));
+  sets.update(true);
+  EXPECT_TRUE(sets.has_usable_view());
+  sets.set_eye({1.2, 0.5, 0.5});
+  EXPECT_TRUE(sets.has_usable_view());
+  sets.set_eye({1.3, 0.5, 0.5});
+  EXPECT_FALSE(sets.has_usable_view());
 }
 
 TEST_F(LeafSetsTest, OnceSomethingIsShownThereIsAlwaysSomething) {

@@ -117,6 +117,15 @@ TEST_F(JobQueueTest, PrioritiesThatAreNoNumbersAreUrgentAndHarmless) {
   EXPECT_EQ(run_all(), "dabc");
 }
 
+TEST_F(JobQueueTest, OverdueWorkPassesWhatWasAskedForLatelyAndNothingOlder) {
+  push('a', {});
+  now_s += 1.5 * JobQueue::kMostOverdue_s;
+  push('c', {});
+  now_s += 0.5 * JobQueue::kMostOverdue_s;
+  push('b', {.seconds_until_needed = -JobQueue::kMostOverdue_s});
+  EXPECT_EQ(run_all(), "abc");
+}
+
 TEST_F(JobQueueTest, MeasuresWaiting) {
   push('a', {});
   now_s += 2;

@@ -43,6 +43,19 @@ class FakeCellService final : public CellService {
     }
     for (const auto& answer : held) answer();
   }
+  /// Answers to questions about leaves wait for answer_leaf(), oldest first.
+  void hold_leaves() { set(holds_leaves_, true); }
+  bool answer_leaf() {
+    std::unique_lock lock(mutex_);
+    if (held_leaves_.empty()) return false;
+    const auto first = held_leaves_.begin();
+    const auto answer = std::move(first->second);
+    held_leaves_.erase(first);
+    lock.unlock();
+    answer();
+    return true;
+  }
+  std::size_t held_leaves() const { return get(held_leaves_).size(); }
   std::size_t held_tiles() const { return get(held_).size(); }
   int tile_requests() const { return get(tile_requests_); }
   int leaf_requests() const { return get(leaf_requests_); }
@@ -89,8 +102,18 @@ class FakeCellService final : public CellService {
       ++leaf_requests_;
       prefetch_requests_ += priority.prefetch ? 1 : 0;
     }
-    answer(plan_at(viewpoint));
-    return Ticket();
+    std::unique_lock lock(mutex_);
+    if (!holds_leaves_) {
+      lock.unlock();
+      answer(plan_at(viewpoint));
+      return Ticket();
+    }
+    const int number = leaf_requests_;
+    held_leaves_[number] = [answer, plan = plan_at(viewpoint)] { answer(plan); };
+    return Ticket([this, number] {
+      const std::lock_guard withdrawing(mutex_);
+      held_leaves_.erase(number);
+    });
   }
   Ticket tile(const TileId& id, const WorkPriority&, Answer<std::shared_ptr<const EncodedTile>> answer) override {
     auto tile = std::make_shared<EncodedTile>();
@@ -139,10 +162,11 @@ class FakeCellService final : public CellService {
   FakeWorld world_;
   SceneDescription description_;
   mutable std::mutex mutex_;  // guards everything below
-  bool holds_tiles_ = false;
+  bool holds_tiles_ = false, holds_leaves_ = false;
   int failures_ = 0;
   int tile_requests_ = 0, leaf_requests_ = 0, prefetch_requests_ = 0, withdrawn_ = 0;
   std::deque<std::function<void()>> held_;
+  std::map<int, std::function<void()>> held_leaves_;  // by number of the request
 };
 
 }  // namespace farfield::test

@@ -2,6 +2,8 @@
 // The small parts of sessions by themselves: held sets, rates, resume tokens, payload order.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <unordered_set>
 
 #include "server/session/held_set.h"
@@ -112,6 +114,21 @@ TEST(PayloadOrder, ListsEveryPayloadOnceWhateverRepeats) {
   std::unordered_set<ContentHash> keys;
   for (const PayloadItem& item : payload_order(service, plan, false)) EXPECT_TRUE(keys.insert(item.key).second);
   EXPECT_EQ(keys.size(), 16u);
+}
+
+TEST(PayloadOrder, WhatOtherLeavesShareComesBeforeWhatOnlyThisOneNeeds) {
+  const test::FakeCellService service;
+  LeafPlan plan = *service.plan_at({1, 1, 1});
+  std::rotate(plan.tiles.begin(), plan.tiles.begin() + 2, plan.tiles.end());  // nearest shell first, as plans list them
+  std::vector<int> levels;
+  std::vector<float> shares;
+  for (const PayloadItem& item : payload_order(service, plan, false)) {
+    if (item.kind != PayloadItem::Kind::kTile) continue;
+    levels.push_back(plan.tiles[item.index].id.cell.level);
+    shares.push_back(plan.tiles[item.index].view_share);
+  }
+  EXPECT_EQ(levels, (std::vector<int>{5, 5, 0, 0, 0, 0}));
+  EXPECT_TRUE(std::is_sorted(shares.begin() + 2, shares.end(), std::greater<>())) << "within a shell as planned";
 }
 
 TEST(PayloadOrder, AFallbackViewBringsItsTilesAndOnlyCoarseTextures) {

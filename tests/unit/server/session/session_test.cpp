@@ -210,6 +210,65 @@ TEST_F(SessionTest, LeavingALeafWithdrawsWhatIsStale) {
   EXPECT_GE(server->metrics().payloads_stale, kOwnTiles);
 }
 
+TEST_F(SessionTest, ALeafLeftWhenNearlyCompleteIsFinishedBeforeTheNext) {
+  FakeWorld world;
+  world.tiles = 24;
+  ServerLimits limits;
+  limits.requests = 4;
+  serve(world, limits);
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  client.move_to(kHere);
+  ASSERT_TRUE(client.wait_complete(1));
+  // Two tiles of it are lost, and cannot be made before the viewer is next door.
+  service->hold_tiles();
+  wire::Evicted evicted;
+  for (int i = 10; i < 12; ++i) evicted.add_payloads(client.sets[0].tiles(i));
+  client.send(MessageType::kEvicted, evicted);
+  ASSERT_TRUE(client.wait([&] { return service->held_tiles() == 2; }));
+  client.move_to(kHere + glm::dvec3(2, 0, 0), 10);
+  ASSERT_TRUE(client.wait([&] { return client.sets.size() == 2; }));
+  EXPECT_EQ(service->withdrawn(), 0) << "two tiles against all of the next leaf";
+  service->release_tiles();
+  ASSERT_TRUE(client.wait_complete(3));
+  EXPECT_EQ(client.complete[1], client.sets[0].serial());
+  EXPECT_EQ(client.complete[2], client.sets[1].serial());
+}
+
+TEST_F(SessionTest, WhoWalksFasterThanPlansAreMadeStillGetsPlans) {
+  serve();
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  service->hold_leaves();
+  for (int i = 0; i < 12; ++i) {
+    client.move_to({1 + 2 * i, 1, 1}, i * 0.5);
+    client.idle(40ms);
+  }
+  EXPECT_LE(service->held_leaves(), 3u);
+  ASSERT_TRUE(service->answer_leaf());
+  ASSERT_TRUE(client.wait([&] { return client.sets.size() == 1; }));
+  EXPECT_EQ(client.sets[0].leaf().x(), service->grid().cell_at(kHere, 0).x) << "the first question is never given up";
+  while (service->answer_leaf()) {
+  }
+  const CellId last = service->grid().cell_at({23, 1, 1}, 0);
+  const auto is_last = [&](const wire::LeafSet& set) { return set.is_current() && set.leaf().x() == last.x; };
+  EXPECT_TRUE(client.wait([&] { return std::any_of(client.sets.begin(), client.sets.end(), is_last); }));
+}
+
+TEST_F(SessionTest, NothingIsPrefetchedWhileTheCurrentLeafIsIncomplete) {
+  serve();
+  service->hold_tiles();
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  for (int i = 0; i < 20; ++i) client.move_to({0.1 + 0.05 * i, 1, 1}, i / 30.0);
+  ASSERT_TRUE(client.wait([&] { return service->held_tiles() == 6; }));
+  client.idle(50ms);
+  EXPECT_EQ(service->prefetch_requests(), 0);
+  EXPECT_EQ(client.sets.size(), 1u);
+  service->release_tiles();
+  ASSERT_TRUE(client.wait([&] { return client.sets.size() >= 2; })) << "spare capacity is used without another pose";
+}
+
 TEST_F(SessionTest, TheFallbackViewGoesFirstWhenAskedFor) {
   serve();
   TestClient client(server->endpoint());
