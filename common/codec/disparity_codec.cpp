@@ -45,11 +45,36 @@ std::int64_t round_shift(std::int64_t value, int shift) {
   return shift == 0 ? value : (value + (std::int64_t{1} << (shift - 1))) >> shift;
 }
 
+// Counts of non-zero entries in any rectangle of a tile's array, by a summed-area table (Crow 1984).
+class AreaCounts {
+ public:
+  AreaCounts(const std::vector<std::uint8_t>& values, int width, int height)
+      : stride_(width + 1), sums_(static_cast<std::size_t>(width + 1) * (height + 1), 0) {
+    for (int y = 0; y < height; ++y) {
+      int row = 0;
+      const std::size_t above = static_cast<std::size_t>(y) * stride_;
+      for (int x = 0; x < width; ++x) {
+        row += values[static_cast<std::size_t>(y) * width + x] != 0;
+        sums_[above + stride_ + x + 1] = sums_[above + x + 1] + row;
+      }
+    }
+  }
+  int count(int x, int y, int x_end, int y_end) const {
+    const auto at = [&](int i, int j) { return sums_[static_cast<std::size_t>(j) * stride_ + i]; };
+    return at(x_end, y_end) - at(x, y_end) - at(x_end, y) + at(x, y);
+  }
+
+ private:
+  int stride_;
+  std::vector<int> sums_;
+};
+
 // The structure both sides share: nodes, surfaces and predictions.
 class PlaneTree {
  protected:
   explicit PlaneTree(const Tile& tile)
-      : tile_(tile), neighbours_(tile), units_(tile.samples(), 0), plane_of_(tile.samples(), -1), label_(tile.samples(), -1) {}
+      : tile_(tile), covered_(tile.coverage, tile.width, tile.height), cut_right_(tile.cut_right, tile.width, tile.height),
+        cut_down_(tile.cut_down, tile.width, tile.height), neighbours_(tile), units_(tile.samples(), 0), plane_of_(tile.samples(), -1), label_(tile.samples(), -1) {}
 
   struct Node {
     int x, y, size;
@@ -74,11 +99,11 @@ class PlaneTree {
       if (x < node.x_end && y < node.y_end) visit(node_at(x, y, half, node.depth + 1));
     }
   }
-  bool is_empty(const Node& n) const {
-    for (int y = n.y; y < n.y_end; ++y)
-      for (int x = n.x; x < n.x_end; ++x)
-        if (tile_.coverage[index(x, y)]) return false;
-    return true;
+  bool is_empty(const Node& n) const { return covered_.count(n.x, n.y, n.x_end, n.y_end) == 0; }
+  // One surface over the whole node: covered everywhere, cut nowhere inside.
+  bool is_whole(const Node& n) const {
+    return covered_.count(n.x, n.y, n.x_end, n.y_end) == (n.x_end - n.x) * (n.y_end - n.y) &&
+           cut_right_.count(n.x, n.y, n.x_end - 1, n.y_end) == 0 && cut_down_.count(n.x, n.y, n.x_end, n.y_end - 1) == 0;
   }
   int index(int x, int y) const { return y * tile_.width + x; }
 
@@ -86,6 +111,13 @@ class PlaneTree {
   // Packed tiles: nodes never reach across blocks, so image neighbours are face neighbours.
   void find_surfaces(const Node& n, std::vector<std::vector<int>>& surfaces) {
     surfaces.clear();
+    if (is_whole(n)) {
+      std::vector<int>& members = surfaces.emplace_back();
+      members.reserve(static_cast<std::size_t>(n.size) * n.size);
+      for (int y = n.y; y < n.y_end; ++y)
+        for (int x = n.x; x < n.x_end; ++x) members.push_back(index(x, y));
+      return;
+    }
     for (int y = n.y; y < n.y_end; ++y)
       for (int x = n.x; x < n.x_end; ++x) label_[index(x, y)] = -1;
     for (int y = n.y; y < n.y_end; ++y)
@@ -138,6 +170,7 @@ class PlaneTree {
   }
 
   const Tile& tile_;
+  const AreaCounts covered_, cut_right_, cut_down_;
   TileNeighbours neighbours_;
   std::vector<std::int64_t> units_;
   std::vector<int> plane_of_;
@@ -161,6 +194,11 @@ class DisparityEncoder : PlaneTree {
 
   void encode(const Node& node) {
     if (is_empty(node)) return;
+    if (node.size > kSmallestNode && is_hopeless(node)) {
+      coder_.put(true, contexts_.split[size_class(node.size)]);
+      each_child(node, [&](const Node& child) { encode(child); });
+      return;
+    }
     std::vector<std::vector<int>> surfaces;
     find_surfaces(node, surfaces);
     std::vector<Plane> planes(surfaces.size());
@@ -180,6 +218,21 @@ class DisparityEncoder : PlaneTree {
       }
     }
     for (std::size_t k = 0; k < surfaces.size(); ++k) put_surface(node, surfaces[k], fits[k], planes[k]);
+  }
+
+  // A whole node whose corners, edge middles and centre leave one plane by far cannot be one: no need to fit it.
+  // Over a plane the second differences vanish; rounding and tolerance allow four tolerances (256 units each).
+  bool is_hopeless(const Node& n) const {
+    if (!is_whole(n)) return false;
+    const int x2 = n.x_end - 1, y2 = n.y_end - 1, xm = n.x + (x2 - n.x) / 2, ym = n.y + (y2 - n.y) / 2;
+    if ((x2 - n.x) % 2 != 0 || (y2 - n.y) % 2 != 0) return is_bent(n.x, n.y, xm, ym, 2 * xm - n.x, 2 * ym - n.y);
+    return is_bent(n.x, n.y, xm, ym, x2, y2);
+  }
+  bool is_bent(int x0, int y0, int xm, int ym, int x2, int y2) const {
+    const auto d = [&](int x, int y) { return wanted(index(x, y)); };
+    const auto bent = [](double a, double middle, double b) { return std::abs(a + b - 2 * middle) > 4 * 256.0 + 8; };
+    return bent(d(x0, y0), d(xm, y0), d(x2, y0)) || bent(d(x0, y0), d(x0, ym), d(x0, y2)) ||
+           bent(d(x0, y0), d(xm, ym), d(x2, y2)) || bent(d(x2, y0), d(xm, ym), d(x0, y2));
   }
 
   // Least squares over the surface's samples, recentred between the extremes, then rounded as it will be coded.

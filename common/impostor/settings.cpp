@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/impostor/settings.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+
+#include "common/cells/sampling.h"
 
 namespace farfield {
 
@@ -18,6 +22,11 @@ ContentHash ImpostorSettings::hash() const {
                                       void_target,
                                       static_cast<double>(jpeg_quality)};
   return hash_values(std::span<const double>(values));
+}
+
+int face_tiles_for(const Display& display, double kappa, double rate) {
+  const double tiles = rate * edge_samples_for(display, kappa) / kTileStride;
+  return std::clamp(static_cast<int>(std::lround(tiles)), 1, 64);
 }
 
 }  // namespace farfield

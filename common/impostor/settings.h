@@ -13,16 +13,21 @@ namespace farfield {
 struct ImpostorSettings {
   double finest_side_m = 0.5;        // side of a level-0 cell: the floor of subdivision
   double kappa = 2.0;                // margin of the near region, in sides
-  int face_tiles = 12;               // tiles along a face's edge; face_samples(12) = 1514 suits 720p at 60 degrees
+  int face_tiles = 10;               // tiles along a face's edge: the sample rate, see face_tiles_for()
   double tau_px = 0.25;              // guaranteed warp error of coded disparity, in pixels of `display`
   Display display;                   // what tau and the sample rate are meant for
   std::uint32_t near_triangles = 20000;  // P: the geometry budget
   int delta_views = 8;               // at most
   double void_target = 6e-5;         // stop adding delta views below this share of the sphere
-  int jpeg_quality = 88;
+  int jpeg_quality = 85;
 
   int edge_samples() const { return face_samples(face_tiles); }
   ContentHash hash() const;
 };
+
+/// Tiles along a face's edge for `rate` samples per pixel in the worst place of a cell (design.md section 2: one sample
+/// per pixel there is 1560 samples at 720p and 60 degrees). The default, 0.8, is one sample per pixel at the cell's
+/// centre: seen from its border, surfaces kappa sides away are magnified by 1.25.
+int face_tiles_for(const Display& display, double kappa, double rate = 0.8);
 
 }  // namespace farfield

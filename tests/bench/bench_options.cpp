@@ -30,6 +30,7 @@ std::string parse_size(const std::string& text, Display& display) {
 tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv) {
   ParsedCommand command;
   BenchOptions& bench = command.bench;
+  bench.settings.face_tiles = 0;
   CLI::App app{"Runs methods of showing a scene side by side on one trace and measures time, bytes and error against truth.\n\n"
                "Example: farfield-bench --scene pipes:1000000:1 --trace walk.txt --methods rays,farfield-cpu --json out.json"};
   app.set_version_flag("--version", std::string("farfield-bench 0.1.0"));
@@ -49,7 +50,7 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   app.add_option("--threads", bench.threads, "that make tiles; 0: one per processor")->capture_default_str();
   app.add_option("--client-samples", bench.client_samples, "samples per pixel of the client")->check(CLI::IsMember({1, 4}))->capture_default_str();
   app.add_option("--tau", bench.settings.tau_px, "guaranteed warp error of coded disparity, pixels")->capture_default_str();
-  app.add_option("--face-tiles", bench.settings.face_tiles, "tiles along a face's edge: the sample rate")->check(CLI::Range(1, 64))->capture_default_str();
+  app.add_option("--face-tiles", bench.settings.face_tiles, "tiles along a face's edge: the sample rate; 0: what the display needs")->check(CLI::Range(0, 64));
   app.add_option("--quality", bench.settings.jpeg_quality, "JPEG quality of tiles")->check(CLI::Range(1, 100))->capture_default_str();
   app.add_option("--delta-views", bench.settings.delta_views, "at most, per cell")->check(CLI::Range(0, 32))->capture_default_str();
   app.add_flag("!--no-realtime", bench.is_realtime_wanted, "lockstep only");
@@ -76,6 +77,7 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   };
   if (const std::string wrong = parse_size(size, bench.display); !wrong.empty()) return usage(wrong);
   bench.display.fovy_rad = fovy * 3.14159265358979323846 / 180;
+  if (bench.settings.face_tiles == 0) bench.settings.face_tiles = face_tiles_for(bench.display, bench.settings.kappa);
   if (role == "client") {
     command.is_client = true;
     client.trace = bench.trace, client.frames = bench.frames, client.display = bench.display, client.samples = bench.client_samples;
