@@ -100,10 +100,10 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
       ->check(storing([&](const std::string& text) { return parse_size(text, options.display); }))
       ->default_str("1280x720");
   app.add_option("--fovy", fovy_deg, "Vertical field of view in degrees")->check(CLI::Range(1.0, 170.0))->capture_default_str();
-  app.add_option("--memory", options.memory_bytes, "Bound on decoded geometry and images, as in 512MiB")
+  app.add_option("--memory", options.memory_bytes, "Bound on decoded geometry and images, as in 320MiB")
       ->transform(CLI::AsSizeValue(true))
       ->envname("FARFIELD_MEMORY")
-      ->default_str("512MiB");
+      ->default_str("320MiB");
   app.add_option("--timeout", options.timeout_s, "Seconds to wait for the server, and in lockstep for a leaf set")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();

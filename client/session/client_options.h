@@ -19,7 +19,9 @@ struct ClientOptions {
   Display display;                      // told to the server
   DecodeForm form = DecodeForm::kBoth;  // each form costs memory and decoding time of its own
   int decode_threads = 2;
-  std::size_t store_bytes = std::size_t{512} << 20;   // hard cap on decoded payloads
+  /// Hard cap on decoded payloads. The default leaves room for frame buffers, encoded payloads on their way and the
+  /// heap's own slack below 600 MB of process.
+  std::size_t store_bytes = std::size_t{320} << 20;
   // Encoded payloads that wait for decoding; beyond it the socket is not read: TCP's back-pressure reaches the server.
   std::size_t decode_queue_bytes = std::size_t{4} << 20;
   bool use_fallback = true;             // ask for the fallback view when nothing usable is on the screen

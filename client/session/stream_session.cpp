@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "client/session/wire_convert.h"
+#include "client/store/free_memory.h"
 #include "common/net/message.h"
 #include "proto/farfield.pb.h"
 
@@ -171,10 +172,22 @@ void StreamSession::publish() {
   if (!is_same) ++figures_.switches;
   note_figures();  // before the view: whoever waits for it finds the figures that belong to it
   const bool settled = is_settled();
-  const std::lock_guard lock(board_.mutex);
-  board_.view = view;
-  board_.is_settled = settled;
-  board_.changed.notify_all();
+  {
+    const std::lock_guard lock(board_.mutex);
+    board_.view = view;
+    board_.is_settled = settled;
+    board_.changed.notify_all();
+  }
+  if (!is_same) trim_memory();
+}
+
+void StreamSession::trim_memory() {
+  // Whoever runs along leaves does not pay for it with every one.
+  constexpr std::chrono::seconds kInterval{2};
+  const Clock::time_point now = Clock::now();
+  if (now - last_trim_ < kInterval) return;
+  last_trim_ = now;
+  return_free_memory();
 }
 
 bool StreamSession::is_settled() const {

@@ -63,6 +63,7 @@ class StreamSession {
   void after_change();
   void publish();
   void report_evictions();
+  void trim_memory();
   void note_figures();
   bool is_settled() const;
   void refresh_later();
@@ -82,6 +83,7 @@ class StreamSession {
   std::uint64_t poses_sent_ = 0;
   Clock::time_point started_;
   Clock::time_point last_publish_{};
+  Clock::time_point last_trim_{};
   bool is_refresh_armed_ = false;
   ClientStatistics figures_;                       // copied to the board by note_figures()
   std::unique_ptr<DecodePool> pool_;

@@ -133,6 +133,48 @@ TEST_F(StreamingTest, ACutIsSurvivedWithoutSendingTheSameAgain) {
   EXPECT_EQ(server->metrics().resumed_sessions, 1u);
 }
 
+TEST_F(StreamingTest, ACutInMidWalkCostsNoFrame) {
+  auto proxy = LinkProxy::start(server->endpoint(), {});
+  ASSERT_TRUE(proxy) << proxy.error().message;
+  ClientCore core(client_of((*proxy)->endpoint()));
+  core.start();
+  ASSERT_TRUE(core.wait_welcome(10s));
+  core.set_pose({start_point(), {1, 0, 0, 0}}, 0);
+  ASSERT_TRUE(core.wait_complete(start_point(), 60s));
+  // A walk at 2 m/s, the network down for half a second in the middle of it; a frame is what the client core asks of
+  // the loop that draws.
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  double slowest_ms = 0;
+  bool was_cut = false, is_back = false;
+  glm::dvec3 eye{0};
+  for (double t = 0; t < 2; t = std::chrono::duration<double>(Clock::now() - start).count()) {
+    if (t > 0.5 && !was_cut) {
+      (*proxy)->set_refusing(true);
+      (*proxy)->cut();
+      was_cut = true;
+    }
+    if (t > 1.0 && !is_back) {
+      (*proxy)->set_refusing(false);
+      is_back = true;
+    }
+    const auto frame = Clock::now();
+    eye = start_point() + glm::dvec3(2 * t, 0, 0);
+    core.set_pose({eye, {1, 0, 0, 0}}, t);
+    const auto view = core.view();
+    ASSERT_TRUE(view) << "never a blank";
+    core.count_frame(view.get(), eye);
+    slowest_ms = std::max(slowest_ms, std::chrono::duration<double, std::milli>(Clock::now() - frame).count());
+    std::this_thread::sleep_for(8ms);
+  }
+  // Two frames of a 60 Hz display: far above a copied pointer, far below anything that waits for the network.
+  EXPECT_LT(slowest_ms, 33);
+  const auto view = core.wait_complete(eye, 60s);
+  ASSERT_TRUE(view) << view.error().message;
+  EXPECT_EQ(core.statistics().reconnects, 1u);
+  EXPECT_EQ(core.statistics().redundant_payloads, 0u);
+}
+
 TEST_F(StreamingTest, ALossySlowLinkDelaysButBreaksNothing) {
   auto proxy = LinkProxy::start(server->endpoint(), *parse_link_model("rate=40mbit,delay=10ms,jitter=5ms,loss=0.5%"));
   ASSERT_TRUE(proxy);
