@@ -23,14 +23,15 @@ int TileMaker::quality_of(const TileId& id) const {
 
 TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
                      const ImpostorSettings& settings)
-    : scene_(std::move(scene)), catalogue_(std::move(catalogue)), shells_(shells), settings_(settings), tree_(std::move(tree)) {}
+    : scene_(std::move(scene)), catalogue_(std::move(catalogue)), shells_(shells), settings_(settings), tree_(std::move(tree)),
+      central_gain_(warp_gain(glm::dvec3(0), settings.kappa)),
+      fallback_tolerance_(fallback_disparity_tolerance(settings.tau_px, settings.display)) {}
 
 Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWork& work) {
   if (id.view == kFallbackView) {
     const CellSpace space = CellSpace::of_fallback(shells_, id.cell);
     const int edge = face_samples(std::max(1, settings_.face_tiles / 4));
-    return cast_dense_tile(*scene_, space, space.box.center(), id, edge, warp_gain(glm::dvec3(0), settings_.kappa),
-                           fallback_disparity_tolerance(settings_.tau_px, settings_.display), nullptr, work);
+    return cast_dense_tile(*scene_, space, space.box.center(), id, edge, central_gain_, fallback_tolerance_, nullptr, work);
   }
   const auto views = catalogue_->views(id.cell, cancel);
   if (!views) return tl::unexpected(views.error());
@@ -39,8 +40,7 @@ Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWor
   const CellSpace space = CellSpace::of_shell(shells_, id.cell, tree_->scene_root());
   const Result<bool> is_leaf = tree_->is_leaf(id.cell, cancel);
   if (!is_leaf) return tl::unexpected(is_leaf.error());
-  const glm::dvec3 offset = (positions[id.view] - space.box.center()) / space.side_m;
-  const double gain = warp_gain(offset, settings_.kappa);
+  const double gain = (*views)->warp_gains[id.view];
   const double tolerance = settings_.tau_px * settings_.display.pixel_pitch() / gain;
   std::shared_ptr<const VisibleBlocks> visible;
   if (*is_leaf) {

@@ -34,18 +34,9 @@ class ShellNeeds {
   }
 
   void add(const FarHit& hit) {
-    const glm::dvec3 direction = glm::dvec3(hit.point) - views_->positions[0];
-    seen_[tile_towards(space_.cell, kIntraView, direction, edge_samples_)] += hit.solid_angle;
-    // The probe is sparse: what it saw within a sixth of a tile of a border may reach across it.
-    const double reach = (kTileStride / 6.0) * sample_pitch(edge_samples_) * glm::length(direction);
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double sign : {-reach, reach}) {
-        glm::dvec3 beside = direction;
-        beside[axis] += sign;
-        seen_[tile_towards(space_.cell, kIntraView, beside, edge_samples_)] += 0;
-      }
-    // Whether a delta view is wanted takes a ray: every fourth hit is asked.
-    if (views_->positions.size() > 1 && ++count_ % 4 == 0) {
+    mark(kIntraView, hit, 1);
+    // Whether a delta view is wanted takes a ray: every other hit is asked.
+    if (views_->positions.size() > 1 && ++count_ % 2 == 0) {
       waiting_.push_back(hit);
       if (waiting_.size() == kPacketSize) ask_delta_views();
     }
@@ -62,6 +53,18 @@ class ShellNeeds {
   }
 
  private:
+  void mark(int view, const FarHit& hit, float weight) {
+    const glm::dvec3 direction = glm::dvec3(hit.point) - views_->positions[view];
+    seen_[tile_towards(space_.cell, view, direction, edge_samples_)] += weight * hit.solid_angle;
+    // The probe is sparse: what it saw within a sixth of a tile of a border may reach across it.
+    const double reach = (kTileStride / 6.0) * sample_pitch(edge_samples_) * glm::length(direction);
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double sign : {-reach, reach}) {
+        glm::dvec3 beside = direction;
+        beside[axis] += sign;
+        seen_[tile_towards(space_.cell, view, beside, edge_samples_)] += 0;
+      }
+  }
   void ask_delta_views() {
     std::uint32_t open = (1u << waiting_.size()) - 1;
     for (std::size_t view = 0; view < views_->positions.size() && open; ++view) {
@@ -71,9 +74,7 @@ class ShellNeeds {
         set_segment(rays, static_cast<int>(k), views_->positions[view], waiting_[k].point, space_, slack_);
       const std::uint32_t held = open & ~scene_.occluded(rays);
       for (std::size_t k = 0; view > 0 && k < waiting_.size(); ++k)
-        if (held >> k & 1)
-          seen_[tile_towards(space_.cell, static_cast<int>(view), glm::dvec3(waiting_[k].point) - views_->positions[view],
-                             edge_samples_)] += 4 * waiting_[k].solid_angle;
+        if (held >> k & 1) mark(static_cast<int>(view), waiting_[k], 2);
       open &= ~held;
     }
     waiting_.clear();

@@ -123,6 +123,8 @@ ShellViews choose_views(const Scene& scene, const CellSpace& space, const Impost
     search.add_view(position);
     result.positions.push_back(position);
   }
+  for (const glm::dvec3& position : result.positions)
+    result.warp_gains.push_back(warp_gain((position - center) / space.side_m, settings.kappa));
   for (const Candidate& candidate : search.candidates()) {
     result.void_worst_sr = std::max(result.void_worst_sr, candidate.void_sr);
     result.void_mean_sr += candidate.void_sr / static_cast<double>(search.candidates().size());

@@ -15,6 +15,7 @@ namespace farfield {
 
 struct ShellViews {
   std::vector<glm::dvec3> positions;   // scene frame; [0] is the intra view, then delta views in order of worth
+  std::vector<double> warp_gains;      // of each view (common/cells/sampling.h): a quarter of a million terms each, so once
   double void_worst_sr = 0;            // left after all views, at the worst candidate
   double void_mean_sr = 0;
   double first_void_sr = 0;            // worst before any delta view

@@ -4,6 +4,12 @@
 #include <algorithm>
 
 namespace farfield {
+namespace {
+
+// The probe's viewpoints are half a side apart: what shows only between two of them borders on what they saw.
+constexpr int kGrowth = 2;
+
+}  // namespace
 
 VisibleBlocks::VisibleBlocks(const BoxVisibility& seen, const CellSpace& space, const glm::dvec3& view, int edge_samples)
     : edge_((edge_samples + kBlockSamples - 1) / kBlockSamples) {
@@ -25,8 +31,8 @@ VisibleBlocks::VisibleBlocks(const BoxVisibility& seen, const CellSpace& space, 
     for (int y = 0; y < edge_; ++y)
       for (int x = 0; x < edge_; ++x) {
         if (!hit[(static_cast<std::size_t>(face) * edge_ + y) * edge_ + x]) continue;
-        for (int ny = std::max(0, y - 1); ny <= std::min(edge_ - 1, y + 1); ++ny)
-          for (int nx = std::max(0, x - 1); nx <= std::min(edge_ - 1, x + 1); ++nx)
+        for (int ny = std::max(0, y - kGrowth); ny <= std::min(edge_ - 1, y + kGrowth); ++ny)
+          for (int nx = std::max(0, x - kGrowth); nx <= std::min(edge_ - 1, x + kGrowth); ++nx)
             blocks_[(static_cast<std::size_t>(face) * edge_ + ny) * edge_ + nx] = true;
       }
 }

@@ -12,8 +12,8 @@ namespace farfield {
 
 class VisibleBlocks {
  public:
-  /// From the points that a dense probe of the leaf hit beyond its near region (some dozen per block), grown by one
-  /// block on every side against what the probe missed.
+  /// From the points that a dense probe of the leaf hit beyond its near region (some dozen per block), grown by two
+  /// blocks on every side against what the probe missed.
   VisibleBlocks(const BoxVisibility& seen, const CellSpace& space, const glm::dvec3& view, int edge_samples);
 
   /// (i, j): a sample of the face, whole samples.

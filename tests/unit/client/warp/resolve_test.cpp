@@ -131,7 +131,7 @@ TEST(FillVoids, WhereTheBackgroundCanBeSeenItStays) {
   Frame frame = uncovered_frame();
   columns(frame, 0, 4, Coverage::kImpostor, 0.2f, 50);
   EXPECT_EQ(fill_voids(frame, sky_everywhere(), 8), 0u);
-  EXPECT_EQ(frame.rgba[4 * at(30, 3)], 9);
+  EXPECT_EQ(frame.rgba[4 * at(20, 3)], 9);
 }
 
 TEST(FillVoids, TheMaskDecidesByDirection) {
