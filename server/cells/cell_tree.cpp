@@ -37,6 +37,12 @@ Result<bool> CellTree::is_leaf(const CellId& cell, const CancelFlag& cancel) {
   return *kind == Kind::kLeaf;
 }
 
+std::size_t CellTree::triangles_of(const std::vector<std::uint32_t>& chunks) const {
+  std::size_t sum = 0;
+  for (const std::uint32_t chunk : chunks) sum += scene_->chunks()[chunk].triangles;
+  return sum;
+}
+
 Result<CellTree::Kind> CellTree::classify(const CellId& cell, const CancelFlag& cancel) {
   {
     const std::lock_guard lock(mutex_);
@@ -45,16 +51,15 @@ Result<CellTree::Kind> CellTree::classify(const CellId& cell, const CancelFlag& 
   const auto decide = [&]() -> Result<Kind> {
     if (cell.level == 0) return Kind::kLeaf;
     const Box near_box = shells_.near_region(cell);
-    std::size_t all = 0;
-    for (const std::uint32_t chunk : scene_->chunks_in(near_box)) all += scene_->chunks()[chunk].triangles;
-    if (all <= near_triangles_) return Kind::kLeaf;
+    if (triangles_of(scene_->chunks_in(near_box)) <= near_triangles_) return Kind::kLeaf;
     // A coarse probe finds most of what is visible: enough to reject a cell that is far above the budget.
-    VisibilityProbe coarse{.edge = 32, .enough_triangles = near_triangles_, .finds_thin_chunks = false, .cancel = pointer(cancel)};
+    VisibilityProbe coarse{.edge = 32, .enough_triangles = near_triangles_, .is_thorough = false, .cancel = pointer(cancel)};
     if (probe_visibility(*scene_, shells_.grid.box(cell), near_box, coarse).is_cut_short)
       return is_cancelled(cancel) ? Result<Kind>(fail(ErrorCode::kCancelled, "cancelled")) : Result<Kind>(Kind::kInner);
     const auto fine = visibility(cell, cancel);
     if (!fine) return tl::unexpected(fine.error());
-    return (*fine)->near_triangles <= near_triangles_ ? Kind::kLeaf : Kind::kInner;
+    // A cell that samples of its viewpoints cannot speak for is divided until they can.
+    return (*fine)->near_triangles <= near_triangles_ && (*fine)->is_converged ? Kind::kLeaf : Kind::kInner;
   };
   const Result<Kind> kind = decide();
   if (kind) {
@@ -73,8 +78,14 @@ Result<std::shared_ptr<const BoxVisibility>> CellTree::visibility(const CellId& 
         return recent_.front().second;
       }
   }
-  auto made = std::make_shared<BoxVisibility>(
-      probe_visibility(*scene_, shells_.grid.box(cell), shells_.near_region(cell), {.cancel = pointer(cancel)}));
+  const Box near_box = shells_.near_region(cell);
+  auto made = std::make_shared<BoxVisibility>(probe_visibility(*scene_, shells_.grid.box(cell), near_box, {.cancel = pointer(cancel)}));
+  // Where everything near fits the budget nothing needs to be left out.
+  const std::vector<std::uint32_t> all = scene_->chunks_in(near_box);
+  if (const std::size_t triangles = triangles_of(all); triangles <= near_triangles_) {
+    made->near_chunks = all;
+    made->near_triangles = triangles;
+  }
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
   const std::lock_guard lock(mutex_);
   recent_.emplace_front(cell, made);

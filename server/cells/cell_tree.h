@@ -33,6 +33,7 @@ class CellTree {
 
  private:
   enum class Kind { kLeaf, kInner };
+  std::size_t triangles_of(const std::vector<std::uint32_t>& chunks) const;
   Result<Kind> classify(const CellId& cell, const CancelFlag& cancel);
 
   const std::shared_ptr<const Scene> scene_;
