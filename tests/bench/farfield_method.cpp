@@ -156,8 +156,6 @@ void add_bytes(const World& world, const nlohmann::json& client, MethodResult& r
   result.bytes_near = number(client, "near_geometry"), result.bytes_textures = number(client, "textures");
   result.bytes_colour = number(client, "colour"), result.bytes_disparity = number(client, "disparity");
   result.bytes_other = number(client, "tile_other") + number(client, "control");
-  result.late_share = number(client, "late_share");
-  result.blank_frames = number(client, "blank");
   result.skipped["redundant_payloads"] = number(client, "redundant");
   result.skipped["bad_payloads"] = number(client, "bad");
 }
@@ -185,8 +183,10 @@ Result<MethodResult> run_farfield(const World& world, const std::string& rendere
     if (!client) return tl::unexpected(client.error());
     const std::vector<double> frame_ms = (*client)["frame_ms"].get<std::vector<double>>();
     result.client_rss_mb = std::max(std::isnan(result.client_rss_mb) ? 0 : result.client_rss_mb, number(*client, "peak_rss_mb"));
-    add_bytes(world, *client, result);
+    result.late_share = number(*client, "late_share");  // of the last run: in lockstep it would always be 0
+    result.blank_frames = number(*client, "blank");
     if (mode == "lockstep") {
+      add_bytes(world, *client, result);
       result.frame_p50 = percentile(frame_ms, 0.50), result.frame_p95 = percentile(frame_ms, 0.95), result.frame_p99 = percentile(frame_ms, 0.99);
       result.triangles = mean((*client)["triangles"].get<std::vector<double>>());
       result.samples = mean((*client)["samples"].get<std::vector<double>>());
@@ -197,8 +197,10 @@ Result<MethodResult> run_farfield(const World& world, const std::string& rendere
     } else {
       result.realtime_frame_p50 = percentile(frame_ms, 0.50), result.realtime_frame_p99 = percentile(frame_ms, 0.99);
       result.realtime_error = judge_realtime(world, folder->path());
-      const double seconds = number(*client, "seconds");
-      result.mbit_s_warm = 8e-6 * (result.bytes_total - result.bytes_entry) / std::max(1e-9, seconds);
+      // A viewer ahead of the server is sent less than the walk needs: a figure of its own, beside lockstep's.
+      const double bytes = number(*client, "bytes_in") + number(*client, "bytes_out") - number(*client, "entry_bytes");
+      result.realtime_mbit_s = 8e-6 * bytes / std::max(1e-9, number(*client, "seconds"));
+      result.fallback_share = number(*client, "fallback_frames") / std::max(1.0, number(*client, "frames"));
     }
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);

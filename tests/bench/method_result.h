@@ -32,7 +32,8 @@ struct MethodResult {
   double mbit_s_warm = kNone;
   double depth_bits = kNone;
   double triangles = kNone, samples = kNone;
-  double late_share = kNone;
+  double late_share = kNone, fallback_share = kNone;
+  double realtime_mbit_s = kNone;
   double blank_frames = kNone;
   double client_rss_mb = kNone, server_rss_mb = kNone;
   ErrorFigures error, realtime_error;

@@ -38,6 +38,8 @@ nlohmann::json to_json(const MethodResult& m) {
           {"depth_bits_per_covered_pixel", value(m.depth_bits)},
           {"drawn", {{"triangles", value(m.triangles)}, {"samples", value(m.samples)}}},
           {"late_share", value(m.late_share)},
+          {"fallback_share", value(m.fallback_share)},
+          {"realtime_mbit_s", value(m.realtime_mbit_s)},
           {"blank_frames", value(m.blank_frames)},
           {"peak_rss_mb", {{"client", value(m.client_rss_mb)}, {"server", value(m.server_rss_mb)}}},
           {"error", to_json(m.error)},
