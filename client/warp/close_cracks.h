@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns scattered keys into colours, disparities and coverage classes, closing cracks one pixel wide on the way.
 //
-// A surface that the warp stretches opens cracks, through which nothing or a farther surface shows. A pixel is a crack
+// A surface that the warp stretches, or that parts of different views show, opens cracks, through which nothing or a farther surface shows. A pixel is a crack
 // if impostor pixels on opposite sides of it (four such pairs) agree in disparity and are much nearer than what it
 // shows: one pair is enough where nothing landed, three are needed to overrule a farther surface, as a line of such
 // pixels has them and the silhouette of a thin object does not. Near geometry is exact: it neither closes nor is closed.

@@ -113,7 +113,7 @@ void CpuWarper::State::draw(const LeafView& leaf, const Pose& eye, const Display
     const PixelWindow window{frame.width, first_row, last_row};
     for (const TileJob& job : jobs) {
       if (job.footprint.last_row < first_row || job.footprint.first_row >= last_row) continue;
-      scatter_tile(*job.splats, job.projection, job.footprint, window, options.kernel, keys.data());
+      scatter_tile(*job.splats, job.projection, window, options.kernel, keys.data());
     }
   });
 

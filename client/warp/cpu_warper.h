@@ -4,7 +4,7 @@
 //
 // A frame: cull tiles and find the rows they reach -> per band of rows, in parallel: clear, merge the near layer,
 // project and scatter -> close cracks -> fill voids. Bands fit in a core's cache and share nothing, so the result
-// does not depend on the number of threads. About 2 ns per landing sample and thread.
+// does not depend on the number of threads.
 //
 // Based on: McMillan & Bishop 1995; Shade et al. 1998 (splatting layered depth images).
 #pragma once

@@ -1,90 +1,120 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference: one sample after another, each step of tile_projection.h in words, the same roundings in order.
+// The reference: one sample after another, each step of tile_projection.h and project_row.h in words, the same
+// roundings in order.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "client/warp/project_row.h"
 #include "client/warp/splat_key.h"
-#include "client/warp/tile_projection.h"
 
 namespace farfield::client {
 namespace {
 
-struct Landing {
-  float x = 0, y = 0, w = 0;  // pixels from the frame's corner; behind the eye where w is not positive
-  std::uint32_t disparity_bits = 0;
+/// How far the surface reaches from the sample, in samples.
+struct Reach {
+  float left, right, up, down;
+  explicit Reach(std::uint16_t packed) {
+    const auto side = [&](int shift) { return static_cast<float>(packed >> shift & 15) / 16.0f + kRoundingMargin; };
+    left = side(0), right = side(4), up = side(8), down = side(12);
+  }
 };
 
-Landing land(const RowProjection& row, int i, float disparity) {
-  const auto component = [&](int k) {
-    return row.start[k] + static_cast<float>(row.first + i) * row.step[k] + disparity * row.per_disparity[k];
-  };
-  Landing landing;
-  landing.w = component(2);
-  const float inverse = 1.0f / landing.w;
-  landing.x = component(0) * inverse;
-  landing.y = component(1) * inverse;
-  const float eye_disparity = disparity * row.disparity_scale * inverse;
-  landing.disparity_bits = std::bit_cast<std::uint32_t>(eye_disparity > 0.0f ? eye_disparity : 0.0f);
-  return landing;
-}
+/// The first and last pixel centre in [centre + low, centre + high], no farther than kMaxReach from it.
+struct Span {
+  int first, last;
+  Span(float centre, float low, float high, int begin, int end) {
+    const float limit = static_cast<float>(kMaxReach);
+    first = std::max(static_cast<int>(std::ceil(centre + std::max(low, -limit))), begin);
+    last = std::min(static_cast<int>(std::floor(centre + std::min(high, limit))), end - 1);
+  }
+};
 
-std::uint32_t distance_penalty(float distance) {
-  return static_cast<std::uint32_t>(
-      std::min(kPenaltyPerSquarePixel * (distance * distance), static_cast<float>(kPenaltyLimit)));
+std::uint32_t mix(std::uint32_t own, std::uint32_t along_s, std::uint32_t along_t, int weight_s, int weight_t) {
+  std::uint32_t mixed = 0;
+  for (int shift = 0; shift < 24; shift += 8) {
+    const auto channel = [&](std::uint32_t colour) { return static_cast<int>(colour >> shift & 255); };
+    const int sum = (256 - weight_s - weight_t) * channel(own) + weight_s * channel(along_s) + weight_t * channel(along_t);
+    mixed |= static_cast<std::uint32_t>((sum + 128) / 256) << shift;
+  }
+  return mixed;
 }
 
 }  // namespace
 
-void project_points_scalar(const RowProjection& row, const PixelWindow& window, const float* disparity,
-                           const std::uint32_t* colour, int count, ProjectedPoints& out) {
-  for (int i = 0; i < count; ++i) {
-    const Landing landing = land(row, i, disparity[i]);
-    out.offset[i] = -1;
-    out.high[i] = key_high(landing.disparity_bits, 0);
-    out.low[i] = key_low(landing.disparity_bits, colour[i]);
-    if (!(landing.w > 0)) continue;
-    if (!(landing.x >= 0 && landing.x < static_cast<float>(window.width))) continue;
-    if (!(landing.y >= static_cast<float>(window.top) && landing.y < static_cast<float>(window.bottom))) continue;
-    const int column = static_cast<int>(landing.x), line = static_cast<int>(landing.y);
-    const std::uint32_t penalty = distance_penalty(landing.x - (static_cast<float>(column) + 0.5f)) +
-                                  distance_penalty(landing.y - (static_cast<float>(line) + 0.5f));
-    out.offset[i] = line * window.width + column;
-    out.high[i] = key_high(landing.disparity_bits, penalty);
+void project_row_scalar(const RowProjection& p, const PixelWindow& window, const RowSamples& samples,
+                        ProjectedRow& out) {
+  for (int i = 0; i < samples.count; ++i) {
+    out.left[i] = out.right[i] = 0;
+    out.top[i] = window.top, out.bottom[i] = window.top - 1;
+    out.wide[i] = -1;
+    const float d = samples.disparity[i];
+    const float w = samples.infinity_w[i] + d * p.per_disparity[2];
+    if (!(w > 0)) continue;
+    const float inverse = 1.0f / w;
+    const float screen_x = (samples.infinity_x[i] + d * p.per_disparity[0]) * inverse;
+    const float screen_y = (samples.infinity_y[i] + d * p.per_disparity[1]) * inverse;
+    const float x = screen_x - 0.5f, y = screen_y - 0.5f;  // in pixel centres
+    const float margin = kMaxReach;
+    if (!(x > -margin && x < static_cast<float>(window.width) + margin)) continue;
+    if (!(y > static_cast<float>(window.top) - margin && y < static_cast<float>(window.bottom) + margin)) continue;
+
+    const float slope_u = std::bit_cast<float>(samples.slopes[i] & 0xffff0000u);
+    const float slope_v = std::bit_cast<float>(samples.slopes[i] << 16);
+    const float w_u = p.step_u[2] + slope_u * p.per_disparity[2], w_v = p.step_v[2] + slope_v * p.per_disparity[2];
+    const auto derivative = [&](const float* step, float slope, int k, float screen, float along_w) {
+      return (step[k] + slope * p.per_disparity[k] - screen * along_w) * inverse;
+    };
+    const float x_u = derivative(p.step_u, slope_u, 0, screen_x, w_u), y_u = derivative(p.step_u, slope_u, 1, screen_y, w_u);
+    const float x_v = derivative(p.step_v, slope_v, 0, screen_x, w_v), y_v = derivative(p.step_v, slope_v, 1, screen_y, w_v);
+
+    out.x[i] = x;
+    out.y[i] = y;
+    const float per_area = 1.0f / (x_u * y_v - y_u * x_v);
+    out.s_x[i] = y_v * per_area, out.s_y[i] = -x_v * per_area;
+    out.t_x[i] = -y_u * per_area, out.t_y[i] = x_u * per_area;
+    out.disparity[i] = d * p.disparity_scale * inverse;
+    out.disparity_s[i] = (slope_u * p.disparity_scale - out.disparity[i] * w_u) * inverse;
+    out.disparity_t[i] = (slope_v * p.disparity_scale - out.disparity[i] * w_v) * inverse;
+
+    const Reach reach(samples.reach[i]);
+    const auto span = [&](float centre, float along_u, float along_v, int begin, int end) {
+      const float middle = 0.5f * (reach.right - reach.left) * along_u + 0.5f * (reach.down - reach.up) * along_v;
+      const float half = 0.5f * (reach.right + reach.left) * std::abs(along_u) +
+                         0.5f * (reach.down + reach.up) * std::abs(along_v);
+      return Span(centre, middle - half, middle + half, begin, end);
+    };
+    const Span columns = span(x, x_u, x_v, 0, window.width), lines = span(y, y_u, y_v, window.top, window.bottom);
+    out.left[i] = columns.first, out.right[i] = columns.last;
+    out.top[i] = lines.first, out.bottom[i] = lines.first - 1;
+    if (columns.last < columns.first || lines.last < lines.first) continue;
+    out.bottom[i] = lines.last;
+    if (columns.last > columns.first || lines.last > lines.first) out.wide[i] = 0;
   }
 }
 
-void project_boxes_scalar(const RowProjection& row, const PixelWindow& window, const float* disparity,
-                          const std::uint32_t* colour, int count, ProjectedBoxes& out) {
-  for (int i = 0; i < count; ++i) {
-    const Landing landing = land(row, i, disparity[i]);
-    out.high[i] = key_high(landing.disparity_bits, 0);
-    out.low[i] = key_low(landing.disparity_bits, colour[i]);
-    out.top[i] = window.top;
-    out.bottom[i] = window.top - 1;
-    const float x = landing.x - 0.5f, y = landing.y - 0.5f;  // in pixel centres
-    const float margin = kMaxFootprint;
-    if (!(landing.w > 0)) continue;
-    if (!(x >= -margin && x < static_cast<float>(window.width) + margin)) continue;
-    if (!(y >= static_cast<float>(window.top) - margin && y < static_cast<float>(window.bottom) + margin)) continue;
+void sample_pixels_scalar(const ProjectedRow& row, const RowSamples& samples, int width, int dx, int dy,
+                          SplatPixels& out) {
+  for (int i = 0; i < samples.count; ++i) {
+    out.offset[i] = -1;
+    out.high[i] = out.low[i] = 0;
+    const int column = row.left[i] + dx, line = row.top[i] + dy;
+    if (column > row.right[i] || line > row.bottom[i]) continue;
+    const float from_x = static_cast<float>(column) - row.x[i], from_y = static_cast<float>(line) - row.y[i];
+    const float s = row.s_x[i] * from_x + row.s_y[i] * from_y, t = row.t_x[i] * from_x + row.t_y[i] * from_y;
+    const Reach reach(samples.reach[i]);
+    if (!(s >= -reach.left && s <= reach.right && t >= -reach.up && t <= reach.down)) continue;
 
-    const float inverse = 1.0f / landing.w;
-    const auto half = [&](float reach) {
-      return 0.5f * std::clamp(reach * inverse + kRoundingMargin, 1.0f, static_cast<float>(kMaxFootprint));
-    };
-    const float half_width = half(row.reach_x), half_height = half(row.reach_y);
-    out.column[i] = x;
-    out.row[i] = y;
-    out.left[i] = std::max(static_cast<int>(std::ceil(x - half_width)), 0);
-    out.right[i] = std::min(static_cast<int>(std::ceil(x + half_width)) - 1, window.width - 1);
-    out.top[i] = std::max(static_cast<int>(std::ceil(y - half_height)), window.top);
-    out.bottom[i] = std::min(static_cast<int>(std::ceil(y + half_height)) - 1, window.bottom - 1);
-    out.left_penalty[i] = distance_penalty(static_cast<float>(out.left[i]) - x);
-    out.right_penalty[i] = distance_penalty(static_cast<float>(out.right[i]) - x);
-    out.top_penalty[i] = distance_penalty(static_cast<float>(out.top[i]) - y);
-    out.bottom_penalty[i] = distance_penalty(static_cast<float>(out.bottom[i]) - y);
-    if (out.bottom[i] < out.top[i]) out.bottom[i] = out.top[i] - 1;
+    const float nearness = 1.0f - kDistancePenalty * (s * s + t * t);
+    const float disparity = (row.disparity[i] + s * row.disparity_s[i] + t * row.disparity_t[i]) * nearness;
+    const bool is_right = s > 0, is_down = t > 0;
+    const bool has_side = (samples.reach[i] >> (is_right ? 4 : 0) & 15) == kReachConnected;
+    const std::uint32_t own = samples.colour[i];
+    const std::uint32_t along_s = !has_side ? own : is_right ? samples.colour_right[i] : samples.colour_left[i];
+    const std::uint32_t along_t = is_down ? samples.colour_down[i] : samples.colour_up[i];
+    const auto weight = [](float distance) { return static_cast<int>(256.0f * std::min(std::abs(distance), 0.5f)); };
+    out.offset[i] = line * width + column;
+    out.high[i] = key_high(std::max(disparity, 0.0f));
+    out.low[i] = mix(own, along_s, along_t, weight(s), weight(t));
   }
 }
 

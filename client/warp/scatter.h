@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a tile's splats into a band of the key buffer: project a piece of a run, then write each pixel's maximum.
+// Draws a tile's splats into a band of the key buffer: project a piece of a run, then keep, per pixel, what is nearest.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace farfield::client {
 enum class ProjectionKernel { kVector, kScalar };
 
 /// `keys`: the whole frame's, row by row; only rows of `window` are written. One thread per window.
-void scatter_tile(const Splats& splats, const TileProjection& projection, const TileFootprint& footprint,
-                  const PixelWindow& window, ProjectionKernel kernel, std::uint64_t* keys);
+void scatter_tile(const Splats& splats, const TileProjection& projection, const PixelWindow& window,
+                  ProjectionKernel kernel, std::uint64_t* keys);
 
 }  // namespace farfield::client

@@ -47,17 +47,6 @@ std::array<double, 2> screen_range(const std::array<glm::dvec3, 8>& corners, int
   return range;
 }
 
-/// Largest distance between neighbouring samples along one screen axis, times w. Convex in the position on the
-/// screen, so its maximum is at an end of the range.
-double reach(const TileProjection& p, double pitch, int component, double low, double high) {
-  double largest = 0;
-  for (const double at : {low, high}) {
-    largest = std::max(largest, std::abs(p.per_u[component] - at * p.per_u.z) +
-                                    std::abs(p.per_v[component] - at * p.per_v.z));
-  }
-  return pitch * largest;
-}
-
 }  // namespace
 
 TileFootprint find_footprint(const TileProjection& projection, const Splats& splats, const Display& display) {
@@ -68,8 +57,8 @@ TileFootprint find_footprint(const TileProjection& projection, const Splats& spl
     corners[k] = projection.at(k & 1 ? splats.u_max : splats.u_min, k & 2 ? splats.v_max : splats.v_min,
                                k & 4 ? splats.max_disparity : splats.min_disparity);
   }
-  // Outside one side of the frustum, with room for the widest footprint, or behind the eye.
-  const double margin = kMaxFootprint;
+  // Outside one side of the frustum, with room for a splat's reach, or behind the eye.
+  const double margin = kMaxReach;
   const auto all = [&](auto&& outside) { return std::all_of(corners.begin(), corners.end(), outside); };
   if (all([&](const glm::dvec3& c) { return !(c.z > 0); }) || all([&](const glm::dvec3& c) { return c.x < -margin * c.z; }) ||
       all([&](const glm::dvec3& c) { return c.x > (display.width + margin) * c.z; }) ||
@@ -77,26 +66,10 @@ TileFootprint find_footprint(const TileProjection& projection, const Splats& spl
       all([&](const glm::dvec3& c) { return c.y > (display.height + margin) * c.z; })) {
     return footprint;
   }
-  const auto [left, right] = screen_range(corners, 0);
   const auto [top, bottom] = screen_range(corners, 1);
-  const double width = display.width, height = display.height;
-  const double reach_x =
-      reach(projection, splats.pitch, 0, std::clamp(left, 0.0, width), std::clamp(right, 0.0, width));
-  const double reach_y =
-      reach(projection, splats.pitch, 1, std::clamp(top, 0.0, height), std::clamp(bottom, 0.0, height));
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const glm::dvec3& c : corners) nearest = std::min(nearest, c.z);
-  const double widest = nearest > 0 ? std::max(reach_x, reach_y) / nearest : kMaxFootprint;
-
-  footprint.reach_x = static_cast<float>(reach_x);
-  footprint.reach_y = static_cast<float>(reach_y);
-  footprint.widest = 1;
-  if (widest > 1) {
-    footprint.widest = static_cast<int>(std::min<double>(std::ceil(widest + kRoundingMargin), kMaxFootprint));
-  }
-  const double spread = footprint.widest;
-  footprint.first_row = static_cast<int>(std::clamp(std::floor(top - spread), 0.0, height));
-  footprint.last_row = static_cast<int>(std::clamp(std::ceil(bottom + spread), -1.0, height - 1.0));
+  const double height = display.height;
+  footprint.first_row = static_cast<int>(std::clamp(std::floor(top - margin), 0.0, height));
+  footprint.last_row = static_cast<int>(std::clamp(std::ceil(bottom + margin), -1.0, height - 1.0));
   footprint.is_visible = footprint.first_row <= footprint.last_row;
   return footprint;
 }

@@ -18,9 +18,6 @@
 
 namespace farfield::client {
 
-/// Widest footprint of a splat, in pixels.
-inline constexpr int kMaxFootprint = 4;
-
 struct TileProjection {
   glm::dvec3 origin{0}, per_u{0}, per_v{0}, per_disparity{0};  // (X, Y, w)
   double disparity_scale = 1;                                   // 1/side
@@ -31,16 +28,12 @@ struct TileProjection {
   static TileProjection of(const DecodedTile& tile, const Pose& eye, const Display& display);
 };
 
-/// Where a tile's splats can land, and how wide they must be for a surface that faces the view to show no cracks.
+/// Where a tile's splats can land.
 struct TileFootprint {
   bool is_visible = false;
   int first_row = 0, last_row = -1;  // pixel rows, inclusive, within the frame
-  float reach_x = 0, reach_y = 0;    // width × w of a splat in pixels: neighbouring samples' distance at most
-  int widest = 1;                    // pixels across, 1 … kMaxFootprint
 };
 
-/// A lattice with steps a, b (pixels) has a point in every axis-aligned box of |a.x|+|b.x| by |a.y|+|b.y|, since its
-/// unit cell fits in that box; a splat of this size therefore leaves no pixel centre out.
 TileFootprint find_footprint(const TileProjection& projection, const Splats& splats, const Display& display);
 
 }  // namespace farfield::client

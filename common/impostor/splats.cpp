@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "common/impostor/tile_neighbours.h"
 #include "common/math/cube_face.h"
 
 namespace farfield {
@@ -13,7 +14,7 @@ namespace {
 /// Appends the covered samples of one row of `tile`, keeping the last run open while samples stay adjacent.
 class RunWriter {
  public:
-  RunWriter(const Tile& tile, Splats& splats) : tile_(tile), splats_(splats) {}
+  RunWriter(const Tile& tile, Splats& splats) : tile_(tile), neighbours_(tile), splats_(splats) {}
 
   void begin_row(std::uint32_t face_row) {
     v_ = static_cast<float>(sample_tangent(tile_.edge_samples, face_row));
@@ -37,14 +38,44 @@ class RunWriter {
     splats_.runs.push_back({u0, v_, static_cast<std::uint32_t>(splats_.disparity.size()), 0});
     is_open_ = true;
   }
-  void push(std::size_t index) {
-    const std::uint8_t* rgb = &tile_.rgb[3 * index];
-    splats_.disparity.push_back(tile_.disparity[index]);
-    splats_.colour.push_back(rgb[0] | (static_cast<std::uint32_t>(rgb[1]) << 8) |
-                             (static_cast<std::uint32_t>(rgb[2]) << 16));
+  std::uint32_t colour(int index) const {
+    const std::uint8_t* rgb = &tile_.rgb[3 * static_cast<std::size_t>(index)];
+    return rgb[0] | static_cast<std::uint32_t>(rgb[1]) << 8 | static_cast<std::uint32_t>(rgb[2]) << 16;
+  }
+  void push(std::size_t at) {
+    const int index = static_cast<int>(at);
+    const Side left = side(neighbours_.left(index), tile_.cut_right, neighbours_.left(index), false);
+    const Side right = side(neighbours_.right(index), tile_.cut_right, index, true);
+    const Side up = side(neighbours_.up(index), tile_.cut_down, neighbours_.up(index), false);
+    const Side down = side(neighbours_.down(index), tile_.cut_down, index, true);
+    splats_.disparity.push_back(tile_.disparity[at]);
+    splats_.slopes.push_back(pack_slopes(slope(index, left.index, right.index), slope(index, up.index, down.index)));
+    splats_.colour.push_back(colour(index));
+    splats_.colour_up.push_back(colour(up.index >= 0 ? up.index : index));
+    splats_.colour_down.push_back(colour(down.index >= 0 ? down.index : index));
+    splats_.reach.push_back(pack_reach(left.reach, right.reach, up.reach, down.reach));
+  }
+
+  struct Side {
+    int index = -1;  // of the connected neighbour
+    std::uint32_t reach = kReachToNothing;
+  };
+  /// `before`: the upper or left one of the two, which holds the cut. `is_before`: that is the sample itself.
+  Side side(int neighbour, const std::vector<std::uint8_t>& cuts, int before, bool is_before) const {
+    if (neighbour < 0 || !tile_.coverage[neighbour]) return {};
+    const std::uint32_t cut = std::min<std::uint32_t>(cuts[before], 8);
+    if (cut == kConnected) return {neighbour, kReachConnected};
+    return {-1, is_before ? 2 * cut - 1 : 17 - 2 * cut};
+  }
+  /// The central difference, or towards the one neighbour there is.
+  float slope(int index, int before, int after) const {
+    const float span = static_cast<float>((before >= 0) + (after >= 0));
+    if (before < 0 && after < 0) return 0;
+    return (tile_.disparity[after >= 0 ? after : index] - tile_.disparity[before >= 0 ? before : index]) / span;
   }
 
   const Tile& tile_;
+  const TileNeighbours neighbours_;
   Splats& splats_;
   float v_ = 0;
   std::uint32_t next_column_ = 0;
@@ -52,17 +83,18 @@ class RunWriter {
 };
 
 void append_dense(const Tile& tile, Splats& splats) {
-  // The tile at the far end of a face shares its last rows with nobody: there, positive faces meet each other's far
-  // ends, so leaving them out would open a gap three samples wide.
+  // Of the two rows and columns it shares with each neighbour a tile holds the inner one, so that it knows the
+  // neighbours of all it holds. At the ends of a face there is no other tile.
   const int tiles = face_tiles(tile.edge_samples);
-  const int columns = tile.id.x + 1 < tiles ? std::min(tile.width, kTileStride) : tile.width;
-  const int rows = tile.id.y + 1 < tiles ? std::min(tile.height, kTileStride) : tile.height;
-  const std::uint32_t first_column = static_cast<std::uint32_t>(tile.id.x) * kTileStride;
-  const std::uint32_t first_row = static_cast<std::uint32_t>(tile.id.y) * kTileStride;
+  const auto begin = [](int place) { return place > 0 ? 1 : 0; };
+  const auto end = [&](int place, int size) { return place + 1 < tiles ? std::min(size, kTileStride + 1) : size; };
+  const int first_column = begin(tile.id.x), columns = end(tile.id.x, tile.width) - first_column;
+  const std::uint32_t face_column = static_cast<std::uint32_t>(tile.id.x) * kTileStride + first_column;
+  const std::uint32_t face_row = static_cast<std::uint32_t>(tile.id.y) * kTileStride;
   RunWriter writer(tile, splats);
-  for (int j = 0; j < rows; ++j) {
-    writer.begin_row(first_row + j);
-    writer.append(static_cast<std::size_t>(j) * tile.width, first_column, columns);
+  for (int j = begin(tile.id.y); j < end(tile.id.y, tile.height); ++j) {
+    writer.begin_row(face_row + j);
+    writer.append(static_cast<std::size_t>(j) * tile.width + first_column, face_column, columns);
   }
 }
 
@@ -91,6 +123,20 @@ void append_packed(const Tile& tile, Splats& splats) {
   }
 }
 
+/// Connections that leave a run: the neighbour's colour is not beside the sample's.
+void mark_ends(Splats& splats) {
+  const auto mark = [&](std::size_t sample, int shift) {
+    std::uint16_t& reach = splats.reach[sample];
+    if ((reach >> shift & 15) == kReachConnected) {
+      reach = static_cast<std::uint16_t>((reach & ~(15 << shift)) | kReachOutOfRun << shift);
+    }
+  };
+  for (const SplatRun& run : splats.runs) {
+    mark(run.first, 0);
+    mark(run.first + run.count - 1, 4);
+  }
+}
+
 void find_bounds(Splats& splats) {
   if (splats.runs.empty()) return;
   const auto [low, high] = std::minmax_element(splats.disparity.begin(), splats.disparity.end());
@@ -115,12 +161,14 @@ Splats build_splats(const Tile& tile) {
   const std::size_t covered =
       static_cast<std::size_t>(std::count_if(tile.coverage.begin(), tile.coverage.end(), [](auto c) { return c != 0; }));
   splats.disparity.reserve(covered);
-  splats.colour.reserve(covered);
+  splats.reach.reserve(covered);
+  for (auto* words : {&splats.slopes, &splats.colour, &splats.colour_up, &splats.colour_down}) words->reserve(covered);
   if (tile.is_packed()) {
     append_packed(tile, splats);
   } else {
     append_dense(tile, splats);
   }
+  mark_ends(splats);
   find_bounds(splats);
   return splats;
 }

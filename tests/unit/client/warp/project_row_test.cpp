@@ -3,19 +3,20 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 #include <random>
 #include <vector>
 
 #include "client/warp/splat_key.h"
+#include "client/warp/write_pixels.h"
 
 namespace farfield::client {
 namespace {
 
 TEST(SplatKey, KeepsDisparityColourAndKind) {
   for (const float disparity : {0.0f, 1e-30f, 0.00123f, 0.7f, 3.1e8f}) {
-    const auto bits = std::bit_cast<std::uint32_t>(disparity);
-    const std::uint64_t key = make_key(key_high(bits, 254), key_low(bits, 0xff123456u));
+    const std::uint64_t key = make_key(key_high(disparity), 0x123456u);
     EXPECT_EQ(key_disparity(key), disparity);
     EXPECT_EQ(key_colour(key), 0x123456u);
     EXPECT_FALSE(key_is_near(key));
@@ -24,96 +25,109 @@ TEST(SplatKey, KeepsDisparityColourAndKind) {
   }
 }
 
-TEST(SplatKey, DepthDecidesThenCloseness) {
-  const auto key = [](float disparity, std::uint32_t penalty, std::uint32_t colour) {
-    const auto bits = std::bit_cast<std::uint32_t>(disparity);
-    return make_key(key_high(bits, penalty), key_low(bits, colour));
-  };
-  EXPECT_GT(key(1.01f, 200, 0), key(1.0f, 0, 0xffffff));        // nearer by 1 %: whatever the closeness
-  EXPECT_GT(key(1.0001f, 10, 0), key(1.00015f, 20, 0xffffff));  // one surface: the closer sample
-  EXPECT_GT(key(1.0f, 254, 0), kNoSplat);
+TEST(SplatKey, DisparityDecidesToItsLastBit) {
+  const float farther = 0.25f, nearer = std::nextafter(farther, 1.0f);
+  EXPECT_GT(make_key(key_high(nearer), 0), make_key(key_high(farther), 0xffffff));
+  EXPECT_GT(near_key(farther, 0), make_key(key_high(farther), 0xffffff));
+  EXPECT_GT(make_key(key_high(0.0f), 0), kNoSplat);
 }
 
 class Rows {
  public:
   explicit Rows(unsigned seed) : random_(seed) {}
   float uniform(float a, float b) { return std::uniform_real_distribution<float>(a, b)(random_); }
+  /// Positions from well behind the eye to well in front, across the window and beyond it; cells of 0 to 5 pixels.
   RowProjection next() {
     RowProjection row;
-    // From well behind the eye to well in front, across the window and beyond it.
-    row.start[2] = uniform(-1, 2), row.step[2] = uniform(-0.01f, 0.01f), row.per_disparity[2] = uniform(-1, 1);
-    for (int k = 0; k < 2; ++k) {
-      row.start[k] = uniform(-200, 400), row.step[k] = uniform(-2, 2), row.per_disparity[k] = uniform(-100, 100);
-    }
-    row.first = static_cast<int>(random_() % 100);
     row.disparity_scale = uniform(0.01f, 10);
-    row.reach_x = uniform(0.2f, 5), row.reach_y = uniform(0.2f, 5);
-    disparity.resize(kRowPiece), colour.resize(kRowPiece);
-    for (float& d : disparity) d = random_() % 8 == 0 ? 0.0f : uniform(0, 0.6f);
-    for (auto& c : colour) c = static_cast<std::uint32_t>(random_()) & 0xffffff;
-    count = 1 + static_cast<int>(random_() % kRowPiece);
+    row.per_disparity[2] = uniform(-1, 1);
+    row.step_u[2] = uniform(-0.01f, 0.01f), row.step_v[2] = uniform(-0.01f, 0.01f);
+    for (int k = 0; k < 2; ++k) {
+      row.per_disparity[k] = uniform(-100, 100);
+      row.step_u[k] = uniform(-3, 3), row.step_v[k] = uniform(-3, 3);
+    }
+    samples.count = 1 + static_cast<int>(random_() % kRowPiece);
+    for (int i = 0; i < kRowPiece; ++i) {
+      samples.infinity_x[i] = uniform(-200, 400), samples.infinity_y[i] = uniform(-200, 400);
+      samples.infinity_w[i] = uniform(-1, 2);
+      disparity_[i] = random_() % 8 == 0 ? 0.0f : uniform(0, 0.6f);
+      slopes_[i] = random_() % 4 == 0 ? 0 : pack_slopes(uniform(-0.01f, 0.01f), uniform(-0.01f, 0.01f));
+      reach_[i] = pack_reach(1 + random_() % 15, 1 + random_() % 15, 1 + random_() % 15, 1 + random_() % 15);
+      for (auto& colours : colours_) colours[i] = static_cast<std::uint32_t>(random_()) & 0xffffff;
+    }
+    samples.disparity = disparity_.data();
+    samples.slopes = slopes_.data();
+    samples.reach = reach_.data();
+    samples.colour = colours_[0].data();
+    samples.colour_left = colours_[1].data(), samples.colour_right = colours_[2].data();
+    samples.colour_up = colours_[3].data(), samples.colour_down = colours_[4].data();
     return row;
   }
-  std::vector<float> disparity;
-  std::vector<std::uint32_t> colour;
-  int count = 0;
+  RowSamples samples;
 
  private:
   std::mt19937 random_;
+  std::array<float, kRowPiece> disparity_;
+  std::array<std::uint32_t, kRowPiece> slopes_;
+  std::array<std::uint16_t, kRowPiece> reach_;
+  std::array<std::array<std::uint32_t, kRowPiece>, 5> colours_;
 };
 
-TEST(ProjectRow, VectorAndScalarPointsAreBitIdentical) {
-  Rows rows(1);
+TEST(ProjectRow, VectorAndScalarAreBitIdenticalAndClipped) {
+  const auto rows = std::make_unique<Rows>(1);
   const PixelWindow window{200, 40, 120};
-  ProjectedPoints vector{}, scalar{};
-  int landed = 0, missed = 0;
-  for (int trial = 0; trial < 300; ++trial) {
-    const RowProjection row = rows.next();
-    project_points(row, window, rows.disparity.data(), rows.colour.data(), rows.count, vector);
-    project_points_scalar(row, window, rows.disparity.data(), rows.colour.data(), rows.count, scalar);
-    for (int i = 0; i < rows.count; ++i) {
-      ASSERT_EQ(vector.offset[i], scalar.offset[i]) << trial << " " << i;
-      ASSERT_TRUE(vector.offset[i] == -1 || (vector.offset[i] >= 200 * 40 && vector.offset[i] < 200 * 120));
-      if (vector.offset[i] < 0) {
-        ++missed;
-        continue;
-      }
-      ++landed;
-      ASSERT_EQ(vector.high[i], scalar.high[i]);
-      ASSERT_EQ(vector.low[i], scalar.low[i]);
-    }
-  }
-  EXPECT_GT(landed, 1000);
-  EXPECT_GT(missed, 1000);
-}
-
-TEST(ProjectRow, VectorAndScalarBoxesAreBitIdenticalAndClipped) {
-  Rows rows(2);
-  const PixelWindow window{200, 40, 120};
-  const auto vector = std::make_unique<ProjectedBoxes>(), scalar = std::make_unique<ProjectedBoxes>();
-  int landed = 0;
-  for (int trial = 0; trial < 300; ++trial) {
-    const RowProjection row = rows.next();
-    project_boxes(row, window, rows.disparity.data(), rows.colour.data(), rows.count, *vector);
-    project_boxes_scalar(row, window, rows.disparity.data(), rows.colour.data(), rows.count, *scalar);
-    for (int i = 0; i < rows.count; ++i) {
+  const auto vector = std::make_unique<ProjectedRow>(), scalar = std::make_unique<ProjectedRow>();
+  const auto vector_pixels = std::make_unique<SplatPixels>(), scalar_pixels = std::make_unique<SplatPixels>();
+  int landed = 0, missed = 0, wide = 0, written = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const RowProjection row = rows->next();
+    project_row(row, window, rows->samples, *vector);
+    project_row_scalar(row, window, rows->samples, *scalar);
+    for (int i = 0; i < rows->samples.count; ++i) {
       const bool lands = vector->bottom[i] >= vector->top[i];
       ASSERT_EQ(lands, scalar->bottom[i] >= scalar->top[i]) << trial << " " << i;
+      ASSERT_EQ(vector->wide[i], scalar->wide[i]);
+      ++(lands ? landed : missed);
       if (!lands) continue;
-      ++landed;
+      wide += vector->wide[i] == 0;
       ASSERT_EQ(vector->left[i], scalar->left[i]);
       ASSERT_EQ(vector->right[i], scalar->right[i]);
       ASSERT_EQ(vector->top[i], scalar->top[i]);
       ASSERT_EQ(vector->bottom[i], scalar->bottom[i]);
-      ASSERT_EQ(vector->high[i], scalar->high[i]);
-      ASSERT_EQ(vector->low[i], scalar->low[i]);
-      ASSERT_EQ(vector->left_penalty[i], scalar->left_penalty[i]);
-      ASSERT_EQ(vector->bottom_penalty[i], scalar->bottom_penalty[i]);
       ASSERT_TRUE(vector->left[i] >= 0 && vector->right[i] < 200 && vector->top[i] >= 40 && vector->bottom[i] < 120);
-      ASSERT_LE(vector->right[i] - vector->left[i], 3);
+      ASSERT_LE(vector->right[i] - vector->left[i], 2 * kMaxReach);
+    }
+    for (int pixel = 0; pixel < 4; ++pixel) {
+      sample_pixels(*vector, rows->samples, window.width, pixel & 1, pixel >> 1, *vector_pixels);
+      sample_pixels_scalar(*scalar, rows->samples, window.width, pixel & 1, pixel >> 1, *scalar_pixels);
+      for (int i = 0; i < rows->samples.count; ++i) {
+        ASSERT_EQ(vector_pixels->offset[i], scalar_pixels->offset[i]) << trial << " " << i;
+        if (vector_pixels->offset[i] < 0) continue;
+        ++written;
+        ASSERT_EQ(vector_pixels->high[i], scalar_pixels->high[i]);
+        ASSERT_EQ(vector_pixels->low[i], scalar_pixels->low[i]);
+      }
     }
   }
   EXPECT_GT(landed, 1000);
+  EXPECT_GT(missed, 1000);
+  EXPECT_GT(wide, 500);
+  EXPECT_GT(written, 1000);
+}
+
+TEST(WritePixels, FindsAllNonNegativeEntriesInOrder) {
+  std::mt19937 random(3);
+  alignas(64) std::array<std::int32_t, kRowPiece> values;
+  RowIndices indices;
+  for (int count = 0; count <= kRowPiece; ++count) {
+    std::vector<std::int32_t> expected;
+    for (int i = 0; i < kRowPiece; ++i) {
+      values[i] = static_cast<std::int32_t>(random() % 3) - 1;
+      if (i < count && values[i] >= 0) expected.push_back(i);
+    }
+    const int found = find_non_negative(values, count, indices);
+    ASSERT_EQ(std::vector<std::int32_t>(indices.begin(), indices.begin() + found), expected);
+  }
 }
 
 }  // namespace

@@ -21,10 +21,7 @@ Frame blank_frame() {
   return frame;
 }
 std::size_t at(int x, int y) { return static_cast<std::size_t>(y) * kSize + x; }
-std::uint64_t splat(float disparity, std::uint32_t colour) {
-  const auto bits = std::bit_cast<std::uint32_t>(disparity);
-  return make_key(key_high(bits, 0), key_low(bits, colour));
-}
+std::uint64_t splat(float disparity, std::uint32_t colour) { return make_key(key_high(disparity), colour); }
 
 struct Resolved {
   Frame frame;

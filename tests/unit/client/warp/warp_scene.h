@@ -13,6 +13,20 @@ namespace farfield::client {
 
 inline constexpr int kMinusZ = 5;  // u is +x and v is +y there, as a camera with the identity rotation sees them
 
+/// Neighbours' colours and reaches for an array of width × height samples, all of one surface up to its border.
+inline void connect_grid(Splats& s, int width, int height) {
+  const auto index = [&](int i, int j) { return static_cast<std::size_t>(j) * width + i; };
+  s.reach.clear(), s.colour_up.clear(), s.colour_down.clear();
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      const auto side = [](bool connected) { return connected ? kReachConnected : kReachToNothing; };
+      s.reach.push_back(pack_reach(side(i > 0), side(i + 1 < width), side(j > 0), side(j + 1 < height)));
+      s.colour_up.push_back(s.colour[index(i, j > 0 ? j - 1 : j)]);
+      s.colour_down.push_back(s.colour[index(i, j + 1 < height ? j + 1 : j)]);
+    }
+  }
+}
+
 /// One whole face of `edge_samples`² samples of the plane z = -distance, seen from `view`; colour(x, y) is 0x00BBGGRR.
 template <class Colour>
 std::shared_ptr<DecodedTile> plane_tile(const glm::dvec3& view, double side_m, double distance, int edge_samples,
@@ -34,23 +48,28 @@ std::shared_ptr<DecodedTile> plane_tile(const glm::dvec3& view, double side_m, d
       s.colour.push_back(colour(view.x + u * z, view.y + v * z));
     }
   }
+  s.slopes.assign(s.size(), pack_slopes(0, 0));
+  connect_grid(s, edge_samples, edge_samples);
   s.min_disparity = s.max_disparity = static_cast<float>(side_m / z);
   s.u_min = s.v_min = static_cast<float>(sample_tangent(edge_samples, 0));
   s.u_max = s.v_max = static_cast<float>(sample_tangent(edge_samples, edge_samples - 1));
   return tile;
 }
 
+/// A square of pitch² in tangent units round (u, v).
 inline std::shared_ptr<DecodedTile> single_sample(const glm::dvec3& view, double side_m, int face, float u, float v,
-                                                  float disparity, std::uint32_t colour) {
+                                                  float disparity, std::uint32_t colour, float pitch) {
   auto tile = std::make_shared<DecodedTile>();
   tile->view_position = view;
   tile->side_m = side_m;
   Splats& s = tile->splats;
   s.face = face;
-  s.pitch = 1e-4f;
+  s.pitch = pitch;
   s.runs.push_back({u, v, 0, 1});
   s.disparity = {disparity};
-  s.colour = {colour};
+  s.slopes = {pack_slopes(0, 0)};
+  s.colour = s.colour_up = s.colour_down = {colour};
+  s.reach = {kReachHalfway};
   s.min_disparity = s.max_disparity = disparity;
   s.u_min = s.u_max = u;
   s.v_min = s.v_max = v;
