@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/impostor/connectivity.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/impostor/dense_tile.h"
+#include "tests/unit/server/impostor/block_scenes.h"
+
+namespace farfield {
+namespace {
+
+using test::Blocks;
+using test::PlacedScene;
+
+constexpr float kPitch = 0.002f, kWarpGain = 0.98f;
+const ConnectionLimits kLimits = connection_limits(ViewFrame{{}, 1002, {}, 1.0, kPitch}, kWarpGain);
+
+TEST(Connectivity, AFlatFloorIsOneSurfaceAtAnyAngle) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> slope(-0.05f, 0.05f), start(0.0f, 0.4f);
+  for (int k = 0; k < 1000; ++k) {
+    const float a = start(random), gradient = slope(random);
+    EXPECT_TRUE(is_connected(a, gradient, a + gradient, gradient, kLimits, kPitch));
+  }
+  // Seen at a grazing angle: from one sample to the next the distance changes by half.
+  EXPECT_TRUE(is_connected(0.02f, 0.02f, 0.04f, 0.02f, kLimits, kPitch));
+}
+
+TEST(Connectivity, AStepInDepthIsCut) {
+  EXPECT_FALSE(is_connected(0.4f, 0.0f, 0.1f, 0.0f, kLimits, kPitch));
+  EXPECT_FALSE(is_connected(0.1f, 0.0f, 0.4f, 0.0f, kLimits, kPitch));
+  EXPECT_FALSE(is_connected(0.4f, 0.001f, 0.1f, -0.001f, kLimits, kPitch));
+}
+
+TEST(Connectivity, PlanesThatMeetBetweenTwoSamplesAreACrease) {
+  // Both planes reach 0.21 half-way: a ridge; and 0.19: a groove.
+  EXPECT_TRUE(is_connected(0.2f, 0.02f, 0.2f, -0.02f, kLimits, kPitch));
+  EXPECT_TRUE(is_connected(0.2f, -0.02f, 0.2f, 0.02f, kLimits, kPitch));
+  // The same slopes, but the planes meet only beyond the second sample.
+  EXPECT_FALSE(is_connected(0.2f, 0.01f, 0.25f, 0.02f, kLimits, kPitch));
+}
+
+TEST(Connectivity, WhatMovesLessThanASampleIsConnected) {
+  const float small = 0.9f * kLimits.one_sample;
+  EXPECT_TRUE(is_connected(0.2f, 0.0f, 0.2f + small, 0.0f, kLimits, kPitch));
+  EXPECT_FALSE(is_connected(0.02f, 0.0f, 0.02f + 3 * kLimits.one_sample, 0.0f, kLimits, kPitch));
+}
+
+TEST(Connectivity, ConnectionDoesNotDependOnTheOrderOfItsEnds) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> slope(-0.01f, 0.01f), value(0.0f, 0.4f);
+  int connected = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const float a = value(random), b = k % 2 ? a + 0.02f * slope(random) : value(random), ga = slope(random), gb = slope(random);
+    const bool forward = is_connected(a, ga, b, gb, kLimits, kPitch);
+    EXPECT_EQ(forward, is_connected(b, -gb, a, -ga, kLimits, kPitch));
+    connected += forward;
+  }
+  EXPECT_GT(connected, 0);
+  EXPECT_LT(connected, 2000);
+}
+
+// A box before a wall, both facing +X: along any row and column the box's silhouette is known exactly.
+TEST(Connectivity, CutsLieWithinAnEighthOfASampleOfTheEdge) {
+  const double front = 3.25, wall = 6.0;
+  const Box box{{front, -0.8125, -0.6875}, {3.5, 0.71875, 0.65625}};
+  const PlacedScene placed = Blocks().quad({6, -40, -40}, {0, 0, 80}, {0, 80, 0}, {150, 150, 150, 255}).box(box).build();
+  const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
+  const int edge = face_samples(3);
+  TileWork work;
+  const Tile tile = cast_dense_tile(*placed.scene, space, placed.at(glm::dvec3(0)), {{}, kIntraView, 0, 1, 1}, edge, kWarpGain, 1e-4, nullptr, work);
+  const auto index = [&](int i, int j) { return static_cast<std::size_t>(j - kTileStride) * kTileSamples + static_cast<std::size_t>(i - kTileStride); };
+  int checked = 0;
+  const auto check = [&](bool is_down, double silhouette, double low, double high) {
+    const double crossing = sample_index(edge, silhouette / front);
+    const int first = static_cast<int>(std::floor(crossing));
+    const int begin = static_cast<int>(sample_index(edge, low / front)) + 2, end = static_cast<int>(sample_index(edge, high / front)) - 1;
+    for (int along = begin; along < end; ++along) {
+      const std::size_t at = is_down ? index(along, first) : index(first, along);
+      const std::uint8_t cut = (is_down ? tile.cut_down : tile.cut_right)[at];
+      ASSERT_NE(cut, kConnected);
+      // Bisection answers in eighths; the cut stands for the middle of its eighth.
+      ASSERT_NEAR((cut - 0.5) / 8, crossing - first, 1.0 / 16 + 1e-3) << (is_down ? "down" : "right") << " at " << along;
+      ++checked;
+    }
+  };
+  // Face +X: u runs along y, v along z.
+  check(false, box.min.y, box.min.z, box.max.z);
+  check(false, box.max.y, box.min.z, box.max.z);
+  check(true, box.min.z, box.min.y, box.max.y);
+  check(true, box.max.z, box.min.y, box.max.y);
+  EXPECT_GT(checked, 100);
+  // And nowhere else: cuts right stand only on the two vertical silhouettes.
+  std::size_t cuts_right = 0;
+  for (const std::uint8_t cut : tile.cut_right) cuts_right += cut != kConnected;
+  const double rows = (box.max.z - box.min.z) / front / sample_pitch(edge);
+  EXPECT_NEAR(static_cast<double>(cuts_right), 2 * rows, 6);
+  EXPECT_GT(wall, box.max.x);
+}
+
+}  // namespace
+}  // namespace farfield
