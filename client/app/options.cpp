@@ -103,7 +103,7 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   app.add_option("--memory", options.memory_bytes, "Bound on decoded geometry and images, as in 320MiB")
       ->transform(CLI::AsSizeValue(true))
       ->envname("FARFIELD_MEMORY")
-      ->default_str("320MiB");
+      ->default_str("448MiB");
   app.add_option("--timeout", options.timeout_s, "Seconds to wait for the server, and in lockstep for a leaf set")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();
