@@ -31,7 +31,7 @@ PageShape PageShape::of(const DepthMesh& mesh) {
   PageShape shape;
   shape.width = (std::max(1, mesh.width) + 31) / 32 * 32;
   shape.height = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(16, mesh.height))));
-  if (mesh.width == kTileSamples && mesh.height == kTileSamples) shape.level_count = kDenseLevels;
+  if (mesh.width == kTileSamples && mesh.height == kTileSamples && !mesh.has_gaps) shape.level_count = kDenseLevels;
   return shape;
 }
 
@@ -39,10 +39,10 @@ ImpostorPage::ImpostorPage(const PageShape& shape, int max_layers, std::uint32_t
                            std::uint32_t least_indices)
     : shape_(shape),
       layer_count_(layers_for(shape, max_layers)),
-      // Merged meshes have a vertex for every fourth sample or fewer, and some four indices per vertex.
+      // Simplified meshes have a vertex for every sixteenth sample or fewer, and less than six indices per vertex.
       vertex_capacity_(
-          std::max(least_vertices, static_cast<std::uint32_t>(layer_count_ * shape.width * shape.height / 4))),
-      index_capacity_(std::max(least_indices, 5 * vertex_capacity_)),
+          std::max(least_vertices, static_cast<std::uint32_t>(layer_count_ * shape.width * shape.height / 16))),
+      index_capacity_(std::max(least_indices, 6 * vertex_capacity_)),
       layers_(static_cast<std::uint32_t>(layer_count_)),
       vertices_(vertex_capacity_),
       indices_(index_capacity_),
@@ -106,10 +106,12 @@ std::optional<ImpostorPage::Place> ImpostorPage::add(const DepthMesh& mesh, std:
 }
 
 void ImpostorPage::upload_texture(const DepthMesh& mesh, std::uint32_t layer) {
+  // Filtering at the edge of a texture smaller than its layer reads one texel further.
+  int width = std::min(mesh.width + 1, shape_.width), height = std::min(mesh.height + 1, shape_.height);
   std::vector<std::uint32_t> texels = opaque_texels(mesh.rgb, mesh.width, mesh.height);
+  if (width > mesh.width || height > mesh.height) texels = edge_repeated(texels, mesh.width, mesh.height, width, height);
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  int width = mesh.width, height = mesh.height;
   for (int level = 0;; ++level) {
     glTexSubImage3D(GL_TEXTURE_2D_ARRAY, level, 0, 0, static_cast<GLint>(layer), width, height, 1, GL_RGBA,
                     GL_UNSIGNED_BYTE, texels.data());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/warp_gl/tile_texels.h"
 
+#include <algorithm>
+
 #include "common/shading/shading.h"
 
 namespace farfield::client {
@@ -11,6 +13,19 @@ std::vector<std::uint32_t> opaque_texels(std::span<const std::uint8_t> rgb, int 
     texels[i] = rgb[3 * i] | (std::uint32_t{rgb[3 * i + 1]} << 8) | (std::uint32_t{rgb[3 * i + 2]} << 16) | 0xff000000u;
   }
   return texels;
+}
+
+std::vector<std::uint32_t> edge_repeated(std::span<const std::uint32_t> texels, int width, int height, int new_width,
+                                         int new_height) {
+  std::vector<std::uint32_t> result;
+  result.reserve(static_cast<std::size_t>(new_width) * static_cast<std::size_t>(new_height));
+  for (int y = 0; y < new_height; ++y) {
+    const auto row = texels.subspan(static_cast<std::size_t>(std::min(y, height - 1)) * static_cast<std::size_t>(width),
+                                    static_cast<std::size_t>(width));
+    result.insert(result.end(), row.begin(), row.end());
+    result.insert(result.end(), static_cast<std::size_t>(new_width - width), row.back());
+  }
+  return result;
 }
 
 std::vector<std::uint32_t> half_size(std::span<const std::uint32_t> texels, int width, int height) {

@@ -11,6 +11,10 @@ namespace farfield::client {
 /// sRGB R, G, B, opaque, from 3 bytes per texel. Requires: rgb.size() == 3·width·height.
 std::vector<std::uint32_t> opaque_texels(std::span<const std::uint8_t> rgb, int width, int height);
 
+/// The same image with its last column and row repeated. Requires: new_width >= width, new_height >= height, none 0.
+std::vector<std::uint32_t> edge_repeated(std::span<const std::uint32_t> texels, int width, int height, int new_width,
+                                         int new_height);
+
 /// The next coarser level: each texel the mean of four in linear light. Requires: even edges.
 std::vector<std::uint32_t> half_size(std::span<const std::uint32_t> texels, int width, int height);
 
