@@ -20,7 +20,7 @@ namespace farfield::client {
 inline constexpr std::uint8_t kImpostorAlpha = 254;
 
 struct ImpostorOptions {
-  std::size_t budget_bytes = std::size_t{512} << 20;  // GPU memory; the leaf sets in use stay even beyond it
+  std::size_t budget_bytes = std::size_t{160} << 20;  // GPU memory, two leaf sets; those in use stay even beyond it
 };
 
 struct ImpostorStatistics {
