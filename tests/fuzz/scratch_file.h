@@ -31,8 +31,12 @@ class ScratchFile {
   const std::filesystem::path& with(ByteView bytes) {
     std::FILE* file = std::fopen(path_.c_str(), "wb");
     require(file != nullptr, "the temporary file can be written");
-    std::fwrite(bytes.data(), 1, bytes.size(), file);
-    std::fclose(file);
+    // An empty view may have no address at all, which fwrite must not be given.
+    if (!bytes.empty()) {
+      require(std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size(),
+              "the bytes can be written");
+    }
+    require(std::fclose(file) == 0, "the temporary file can be closed");
     return path_;
   }
 
