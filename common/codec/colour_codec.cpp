@@ -43,6 +43,8 @@ void configure(jpeg_compress_struct& jpeg, int width, int height, int quality) {
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, quality, TRUE);
   for (int c = 0; c < 3; ++c) jpeg.comp_info[c].h_samp_factor = jpeg.comp_info[c].v_samp_factor = 1;
+  // T.81 annex D: adapts to each tile without a table, where the standard Huffman tables fit none.
+  jpeg.arith_code = TRUE;
 }
 
 struct CBuffer {  // malloc'ed by libjpeg; freed by its owner outside every jump

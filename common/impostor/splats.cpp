@@ -62,9 +62,9 @@ class RunWriter {
   };
   /// `before`: the upper or left one of the two, which holds the cut. `is_before`: that is the sample itself.
   Side side(int neighbour, const std::vector<std::uint8_t>& cuts, int before, bool is_before) const {
-    if (neighbour < 0 || !tile_.coverage[neighbour]) return {};
+    if (neighbour < 0) return {};
     const std::uint32_t cut = std::min<std::uint32_t>(cuts[before], 8);
-    if (cut == kConnected) return {neighbour, kReachConnected};
+    if (cut == kConnected) return tile_.coverage[neighbour] ? Side{neighbour, kReachConnected} : Side{};
     return {-1, is_before ? 2 * cut - 1 : 17 - 2 * cut};
   }
   /// The central difference, or towards the one neighbour there is.

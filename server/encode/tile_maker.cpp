@@ -51,7 +51,7 @@ Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWor
   Tile tile;
   if (id.is_delta()) {
     DeltaSkips skips;
-    tile = cast_delta_tile(*scene_, space, positions, id, settings_.edge_samples(), gain, tolerance, visible.get(), work, skips);
+    tile = cast_delta_tile(*scene_, space, positions, id, settings_, gain, tolerance, visible.get(), work, skips);
     skips_.blocks_probed += skips.blocks_probed, skips_.blocks_cast += skips.blocks_cast, skips_.samples_held += skips.samples_held;
   } else {
     tile = cast_dense_tile(*scene_, space, positions[0], id, settings_.edge_samples(), gain, tolerance, visible.get(), work);
@@ -72,7 +72,7 @@ Result<std::shared_ptr<const VisibleBlocks>> TileMaker::visible_blocks(const Cel
   }
   const auto seen = tree_->visibility(space.cell, cancel);
   if (!seen) return tl::unexpected(seen.error());
-  auto made = std::make_shared<const VisibleBlocks>(**seen, space, position, settings_.edge_samples());
+  auto made = std::make_shared<const VisibleBlocks>(**seen, space, position, settings_.edge_samples(static_cast<std::uint8_t>(view)));
   const std::lock_guard lock(mutex_);
   recent_.emplace_front(std::pair(space.cell, view), made);
   if (recent_.size() > kRemembered) recent_.pop_back();

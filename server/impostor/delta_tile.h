@@ -15,13 +15,13 @@ struct DeltaSkips {
   std::size_t samples_held = 0;                     // cast, but redundant
 };
 
-/// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe (two rays per block) finds blocks
-/// with voids; these and their neighbours are cast whole; samples that an earlier view holds at no less than half the
-/// resolution are dropped, except for a one-sample border that meets the held surface.
+/// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe (four rays per block) finds blocks
+/// with voids; these and their neighbours are cast whole; samples that an earlier view holds at no less than half this
+/// one's resolution are dropped, except for a one-sample border that meets the held surface.
 /// `visible`: blocks outside it are neither probed nor cast; null: all may be.
 /// Returns: a packed tile, without blocks if nothing is missing.
 Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
-                     int edge_samples, double warp_gain, double tolerance, const VisibleBlocks* visible, TileWork& work,
+                     const ImpostorSettings& settings, double warp_gain, double tolerance, const VisibleBlocks* visible, TileWork& work,
                      DeltaSkips& skips);
 
 }  // namespace farfield

@@ -11,7 +11,8 @@ namespace farfield {
 namespace {
 
 // The tile or region of a view that a direction falls into.
-TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, int edge_samples) {
+TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, const ImpostorSettings& settings) {
+  const int edge_samples = settings.edge_samples(static_cast<std::uint8_t>(view));
   const int face = dominant_face(direction);
   const CubeFace frame = CubeFace::of(face);
   const double scale = 1.0 / std::abs(direction[frame.axis]);
@@ -29,7 +30,7 @@ TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, i
 class ShellNeeds {
  public:
   ShellNeeds(const Scene& scene, CellSpace space, std::shared_ptr<const ShellViews> views, const ImpostorSettings& settings)
-      : scene_(scene), space_(space), views_(std::move(views)), edge_samples_(settings.edge_samples()) {
+      : scene_(scene), space_(space), views_(std::move(views)), settings_(settings) {
     slack_ = disparity_tolerance(glm::dvec3(0), settings.kappa, settings.tau_px, settings.display) * (0.5 + settings.kappa);
   }
 
@@ -55,14 +56,14 @@ class ShellNeeds {
  private:
   void mark(int view, const FarHit& hit, float weight) {
     const glm::dvec3 direction = glm::dvec3(hit.point) - views_->positions[view];
-    seen_[tile_towards(space_.cell, view, direction, edge_samples_)] += weight * hit.solid_angle;
+    seen_[tile_towards(space_.cell, view, direction, settings_)] += weight * hit.solid_angle;
     // The probe is sparse: what it saw within a sixth of a tile of a border may reach across it.
-    const double reach = (kTileStride / 6.0) * sample_pitch(edge_samples_) * glm::length(direction);
+    const double reach = (kTileStride / 6.0) * sample_pitch(settings_.edge_samples()) * glm::length(direction);
     for (int axis = 0; axis < 3; ++axis)
       for (const double sign : {-reach, reach}) {
         glm::dvec3 beside = direction;
         beside[axis] += sign;
-        seen_[tile_towards(space_.cell, view, beside, edge_samples_)] += 0;
+        seen_[tile_towards(space_.cell, view, beside, settings_)] += 0;
       }
   }
   void ask_delta_views() {
@@ -83,7 +84,7 @@ class ShellNeeds {
   const Scene& scene_;
   const CellSpace space_;
   const std::shared_ptr<const ShellViews> views_;
-  const int edge_samples_;
+  const ImpostorSettings& settings_;
   double slack_;
   std::size_t count_ = 0;
   std::vector<FarHit> waiting_;

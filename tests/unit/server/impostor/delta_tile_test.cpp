@@ -13,7 +13,13 @@ namespace {
 
 using test::PlacedScene;
 
-const int kEdge = face_samples(3);
+ImpostorSettings settings_of_three_delta_tiles() {
+  ImpostorSettings settings;
+  settings.face_tiles = 4;
+  return settings;
+}
+const ImpostorSettings kSettings = settings_of_three_delta_tiles();
+const int kEdge = kSettings.edge_samples(1);
 constexpr double kTolerance = 1e-3, kWarpGain = 2.0;
 const Box kRoom{{-4, -4, -4}, {4, 4, 4}};
 
@@ -34,7 +40,7 @@ class PillarRoom : public testing::Test {
 
   Tile cast(const TileId& id) {
     TileWork work;
-    return cast_delta_tile(*placed_.scene, space_, {placed_.at(glm::dvec3(0)), placed_.at(second_)}, id, kEdge, kWarpGain, kTolerance, nullptr, work, skips_);
+    return cast_delta_tile(*placed_.scene, space_, {placed_.at(glm::dvec3(0)), placed_.at(second_)}, id, kSettings, kWarpGain, kTolerance, nullptr, work, skips_);
   }
   // World point that the second view sees through a sample, straight from the room's shape.
   glm::dvec3 wall_point(int face, int i, int j, bool& is_wall) const {
@@ -125,7 +131,7 @@ TEST_F(PillarRoom, SamplesHaveTheDisparityOfTheWall) {
 TEST_F(PillarRoom, WhatNobodySeesIsNeitherProbedNorCast) {
   const VisibleBlocks nothing(BoxVisibility{}, space_, placed_.at(second_), kEdge);
   TileWork work;
-  const Tile tile = cast_delta_tile(*placed_.scene, space_, {placed_.at(glm::dvec3(0)), placed_.at(second_)}, {{}, 1, 0, 1, 1}, kEdge, kWarpGain,
+  const Tile tile = cast_delta_tile(*placed_.scene, space_, {placed_.at(glm::dvec3(0)), placed_.at(second_)}, {{}, 1, 0, 1, 1}, kSettings, kWarpGain,
                                     kTolerance, &nothing, work, skips_);
   EXPECT_TRUE(tile.blocks.empty());
   EXPECT_EQ(work.rays, 0u);
@@ -138,7 +144,7 @@ TEST(DeltaTile, OfAConvexRoomHoldsNothing) {
   for (int face = 0; face < kCubeFaces; ++face) {
     TileWork work;
     const Tile tile = cast_delta_tile(*placed.scene, space, {placed.at(glm::dvec3(0)), placed.at(glm::dvec3(0.5, -0.5, 0.5))},
-                                      {{}, 1, static_cast<std::uint8_t>(face), 1, 1}, kEdge, kWarpGain, kTolerance, nullptr, work, skips);
+                                      {{}, 1, static_cast<std::uint8_t>(face), 1, 1}, kSettings, kWarpGain, kTolerance, nullptr, work, skips);
     EXPECT_TRUE(tile.blocks.empty()) << "face " << face;
   }
   EXPECT_EQ(skips.blocks_cast, 0u);
