@@ -7,10 +7,6 @@
 
 namespace farfield {
 
-/// Replaces the colour of uncovered pixels by a smooth continuation of the covered ones (pull-push pyramid), so that
-/// they cost next to nothing and do not ring into what is seen. Sizes: rgb 3·w·h, coverage w·h.
-void fill_uncovered(std::vector<std::uint8_t>& rgb, const std::vector<std::uint8_t>& coverage, int width, int height);
-
 /// Requires: 1 <= quality <= 100, rgb holds 3·width·height bytes.
 Result<Bytes> encode_colour(ByteView rgb, int width, int height, int quality);
 /// Errors: kBadData if the stream is not a whole JPEG of exactly this size; warnings count as errors.

@@ -100,7 +100,11 @@ class TopologyWalk {
       any = coder_.code(any, contexts_.has_cuts[context]);
     }
     cut_blocks_[block] = any;
-    each_sample(column, row, [&](int, int, int i) {
+    // A block without mixed coverage and without cuts has only the edges across its right and lower border to code.
+    const bool is_plain = states_[block] != 1 && !any;
+    const int last_x = std::min(tile_.width, (column + 1) * kBlockSamples) - 1, last_y = std::min(tile_.height, (row + 1) * kBlockSamples) - 1;
+    each_sample(column, row, [&](int x, int y, int i) {
+      if (is_plain && x < last_x && y < last_y) return;
       code_edge(i, neighbours_.right(i), neighbours_.up(i), neighbours_.left(i), tile_.cut_right, tile_.cut_down, 0, any);
       code_edge(i, neighbours_.down(i), neighbours_.left(i), neighbours_.up(i), tile_.cut_down, tile_.cut_right, 1, any);
     });

@@ -120,28 +120,32 @@ class PlaneTree {
     }
     for (int y = n.y; y < n.y_end; ++y)
       for (int x = n.x; x < n.x_end; ++x) label_[index(x, y)] = -1;
+    int count = 0;
     for (int y = n.y; y < n.y_end; ++y)
       for (int x = n.x; x < n.x_end; ++x) {
         const int first = index(x, y);
         if (!tile_.coverage[first] || label_[first] >= 0) continue;
-        const int label = static_cast<int>(surfaces.size());
-        std::vector<int>& members = surfaces.emplace_back();
+        const int label = count++;
         label_[first] = label;
-        members.push_back(first);
-        for (std::size_t k = 0; k < members.size(); ++k) {
-          const int i = members[k], ix = i % tile_.width, iy = i / tile_.width;
+        open_.assign(1, first);
+        while (!open_.empty()) {
+          const int i = open_.back(), ix = i % tile_.width, iy = i / tile_.width;
+          open_.pop_back();
           const auto join = [&](bool is_inside, int other, std::uint8_t cut) {
             if (!is_inside || cut != kConnected || !tile_.coverage[other] || label_[other] >= 0) return;
             label_[other] = label;
-            members.push_back(other);
+            open_.push_back(other);
           };
           join(ix + 1 < n.x_end, i + 1, tile_.cut_right[i]);
           join(iy + 1 < n.y_end, i + tile_.width, tile_.cut_down[i]);
           if (ix > n.x) join(true, i - 1, tile_.cut_right[i - 1]);
           if (iy > n.y) join(true, i - tile_.width, tile_.cut_down[i - tile_.width]);
         }
-        std::sort(members.begin(), members.end());
       }
+    surfaces.resize(static_cast<std::size_t>(count));
+    for (int y = n.y; y < n.y_end; ++y)
+      for (int x = n.x; x < n.x_end; ++x)
+        if (const int i = index(x, y); label_[i] >= 0) surfaces[label_[i]].push_back(i);
   }
 
   // Members of the surface have no plane yet, so any plane found beside them belongs to a sample coded before.
@@ -174,7 +178,7 @@ class PlaneTree {
   TileNeighbours neighbours_;
   std::vector<std::int64_t> units_;
   std::vector<int> plane_of_;
-  std::vector<int> label_;
+  std::vector<int> label_, open_;
   std::vector<Plane> planes_;
   std::int64_t last_units_ = 0;
   Contexts contexts_;

@@ -7,6 +7,7 @@
 #include "common/codec/colour_codec.h"
 #include "common/codec/coverage_codec.h"
 #include "common/codec/disparity_codec.h"
+#include "common/codec/surface_colours.h"
 #include "common/impostor/tile_neighbours.h"
 #include "common/math/cube_face.h"
 
@@ -14,7 +15,7 @@ namespace farfield {
 namespace {
 
 constexpr std::uint16_t kMagic = 0x5446;  // "FT"
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kVersion = 2;
 constexpr std::size_t kMaxBlocks = std::size_t{kRegionBlocks} * kRegionBlocks;
 
 // Certificates travel as half precision: they are measurements with two digits.
@@ -97,16 +98,16 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
   Bytes topology = encode_topology(tile);
   Bytes disparity = encode_disparity(tile);
   std::vector<std::uint8_t> rgb = tile.rgb;
-  fill_uncovered(rgb, tile.coverage, tile.width, tile.height);
+  const Bytes bases = take_out_base_colours(find_surfaces(tile), rgb);
   Result<Bytes> colour = encode_colour(rgb, tile.width, tile.height, encoding.jpeg_quality);
   if (!colour) return tl::unexpected(colour.error());
   const std::uint32_t covered = static_cast<std::uint32_t>(std::count(tile.coverage.begin(), tile.coverage.end(), 1));
   out.put_varint(covered);
-  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &*colour}) out.put_varint(part->size());
+  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &bases, &*colour}) out.put_varint(part->size());
   const std::size_t other = out.size();
-  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &*colour}) out.put_bytes(*part);
+  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &bases, &*colour}) out.put_bytes(*part);
   if (accounting) {
-    *accounting = {static_cast<std::uint32_t>(colour->size()), static_cast<std::uint32_t>(disparity.size()),
+    *accounting = {static_cast<std::uint32_t>(bases.size() + colour->size()), static_cast<std::uint32_t>(disparity.size()),
                    static_cast<std::uint32_t>(topology.size()), static_cast<std::uint32_t>(other), covered};
   }
   return out.take();
@@ -127,13 +128,16 @@ Result<Tile> decode_tile(ByteView bytes, const TileLimits& limits) {
     if (tile.id.x >= tiles || tile.id.y >= tiles) return fail(ErrorCode::kBadData, "tile: it lies outside its face");
   }
   in.get_varint();  // covered samples: for accounting
-  const std::uint64_t topology_size = in.get_varint(), disparity_size = in.get_varint(), colour_size = in.get_varint();
-  const ByteView topology = in.get_bytes(topology_size), disparity = in.get_bytes(disparity_size), colour = in.get_bytes(colour_size);
+  const std::uint64_t topology_size = in.get_varint(), disparity_size = in.get_varint(), bases_size = in.get_varint(),
+                      colour_size = in.get_varint();
+  const ByteView topology = in.get_bytes(topology_size), disparity = in.get_bytes(disparity_size), bases = in.get_bytes(bases_size),
+                 colour = in.get_bytes(colour_size);
   if (!in.ok() || in.remaining() != 0) return fail(ErrorCode::kBadData, "tile: its parts do not add up to its size");
   Result<std::vector<std::uint8_t>> rgb = decode_colour(colour, tile.width, tile.height, quality);
   if (!rgb) return tl::unexpected(rgb.error());
   tile.rgb = std::move(*rgb);
   decode_topology(topology, tile);
+  put_back_base_colours(bases, find_surfaces(tile), tile.rgb);
   decode_disparity(disparity, tile);
   return tile;
 }
@@ -149,7 +153,8 @@ Result<TileBytes> inspect_tile(ByteView bytes) {
   result.covered_samples = static_cast<std::uint32_t>(in.get_varint());
   result.topology = static_cast<std::uint32_t>(in.get_varint());
   result.disparity = static_cast<std::uint32_t>(in.get_varint());
-  result.colour = static_cast<std::uint32_t>(in.get_varint());
+  result.colour = static_cast<std::uint32_t>(in.get_varint());  // the bases
+  result.colour += static_cast<std::uint32_t>(in.get_varint());
   if (!in.ok()) return fail(ErrorCode::kBadData, "tile: cut off in its header");
   result.other = static_cast<std::uint32_t>(bytes.size() - in.remaining());
   return result;

@@ -24,7 +24,7 @@ struct TileLimits {
   std::size_t encoded_bytes = std::size_t{4} << 20;
 };
 
-/// Uncovered samples' colours are replaced by fill on a copy; disparity error <= tile.disparity_tolerance.
+/// Uncovered samples' colours are not kept; disparity error <= tile.disparity_tolerance.
 /// Requires: arrays of the tile's size. Errors: kInternal (library).
 Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBytes* accounting = nullptr);
 

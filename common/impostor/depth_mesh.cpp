@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/impostor/depth_mesh.h"
 
+#include "common/impostor/fill_uncovered.h"
 #include "common/impostor/patch_mesh.h"
 #include "common/impostor/simplify_mesh.h"
 #include "common/impostor/unpacked_blocks.h"
@@ -25,6 +26,7 @@ void mesh_dense(const Tile& tile, float tolerance, DepthMesh& mesh) {
   mesh.width = tile.width;
   mesh.height = tile.height;
   mesh.rgb = tile.rgb;
+  fill_uncovered(mesh.rgb, tile.coverage, tile.width, tile.height);
   if (tile.width < 2 || tile.height < 2) return;
   const SurfacePatch patch{tile.width,           tile.height,           tile.coverage.data(),
                            tile.disparity.data(), tile.cut_right.data(), tile.cut_down.data()};
@@ -34,7 +36,9 @@ void mesh_dense(const Tile& tile, float tolerance, DepthMesh& mesh) {
 void mesh_packed(const Tile& tile, float tolerance, DepthMesh& mesh) {
   mesh.has_gaps = true;
   if (tile.blocks.empty() || !is_one_region(tile)) return;
-  UnpackedBlocks blocks = unpack_blocks(tile);
+  std::vector<std::uint8_t> rgb = tile.rgb;
+  fill_uncovered(rgb, tile.coverage, tile.width, tile.height);
+  UnpackedBlocks blocks = unpack_blocks(tile, rgb);
   mesh.width = blocks.width - 2;
   mesh.height = blocks.height - 2;
   mesh.rgb = std::move(blocks.rgb);

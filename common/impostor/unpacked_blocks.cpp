@@ -26,7 +26,7 @@ std::size_t packed_index(const Tile& tile, std::size_t block, int x, int y) {
 }
 
 /// A block's texels, and a ring of one texel around it wherever no block has written: filtering reaches that far.
-void copy_texels(const Tile& tile, std::size_t block, int left, int top, std::vector<std::uint8_t>& written,
+void copy_texels(const Tile& tile, const std::vector<std::uint8_t>& rgb, std::size_t block, int left, int top, std::vector<std::uint8_t>& written,
                  UnpackedBlocks& out) {
   const int width = out.width - 2, height = out.height - 2;
   for (int y = -1; y <= kBlockSamples; ++y) {
@@ -38,7 +38,7 @@ void copy_texels(const Tile& tile, std::size_t block, int left, int top, std::ve
       written[to] |= is_own;
       const std::size_t from =
           3 * packed_index(tile, block, std::clamp(x, 0, kBlockSamples - 1), std::clamp(y, 0, kBlockSamples - 1));
-      std::copy_n(tile.rgb.begin() + static_cast<std::ptrdiff_t>(from), 3, out.rgb.begin() + static_cast<std::ptrdiff_t>(3 * to));
+      std::copy_n(rgb.begin() + static_cast<std::ptrdiff_t>(from), 3, out.rgb.begin() + static_cast<std::ptrdiff_t>(3 * to));
     }
   }
 }
@@ -51,7 +51,7 @@ bool is_one_region(const Tile& tile) {
   return b.max_x - b.min_x < kRegionBlocks && b.max_y - b.min_y < kRegionBlocks;
 }
 
-UnpackedBlocks unpack_blocks(const Tile& tile) {
+UnpackedBlocks unpack_blocks(const Tile& tile, const std::vector<std::uint8_t>& rgb) {
   const BlockBounds bounds = bounds_of(tile);
   UnpackedBlocks out;
   out.face_x = bounds.min_x * kBlockSamples - 1, out.face_y = bounds.min_y * kBlockSamples - 1;
@@ -74,7 +74,7 @@ UnpackedBlocks unpack_blocks(const Tile& tile) {
         out.cut_right[to] = tile.cut_right[from], out.cut_down[to] = tile.cut_down[from];
       }
     }
-    copy_texels(tile, block, left, top, written, out);
+    copy_texels(tile, rgb, block, left, top, written, out);
   }
   return out;
 }

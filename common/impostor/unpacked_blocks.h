@@ -29,7 +29,8 @@ struct UnpackedBlocks {
 /// Whether all blocks lie within one region, as the tile codec sees to: then the result is bounded, whatever the blocks.
 bool is_one_region(const Tile& tile);
 
-/// Requires: tile.is_packed(), at least one block, is_one_region(tile). O(samples of the rectangle).
-UnpackedBlocks unpack_blocks(const Tile& tile);
+/// `rgb`: the tile's colours, with something sensible where nothing is covered. Requires: tile.is_packed(), at least one
+/// block, is_one_region(tile). O(samples of the rectangle).
+UnpackedBlocks unpack_blocks(const Tile& tile, const std::vector<std::uint8_t>& rgb);
 
 }  // namespace farfield
