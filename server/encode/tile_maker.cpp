@@ -119,8 +119,7 @@ ImpostorSources make_impostor_sources(std::shared_ptr<const Scene> scene, const 
   const NestedShells shells{CellGrid{settings.finest_side_m}, settings.kappa};
   ImpostorSources sources;
   sources.tree = std::make_shared<CellTree>(scene, shells, settings.near_triangles);
-  const CellId root = sources.tree->scene_root();
-  auto catalogue = std::make_shared<ViewCatalogue>(scene, shells, settings, root);
+  auto catalogue = std::make_shared<ViewCatalogue>(scene, sources.tree, shells, settings);
   sources.leaves = std::make_shared<LeafPlanner>(scene, sources.tree, catalogue, shells, settings);
   sources.tiles = std::make_shared<TileMaker>(scene, sources.tree, catalogue, shells, settings);
   return sources;

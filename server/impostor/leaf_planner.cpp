@@ -35,9 +35,8 @@ class ShellNeeds {
   }
 
   void add(const FarHit& hit) {
-    mark(kIntraView, hit, 1);
-    // Whether a delta view is wanted takes a ray: every other hit is asked.
-    if (views_->positions.size() > 1 && ++count_ % 2 == 0) {
+    mark(kIntraView, hit);
+    if (views_->positions.size() > 1) {
       waiting_.push_back(hit);
       if (waiting_.size() == kPacketSize) ask_delta_views();
     }
@@ -54,17 +53,11 @@ class ShellNeeds {
   }
 
  private:
-  void mark(int view, const FarHit& hit, float weight) {
+  // The probe sends some hundred rays into each tile from each of its viewpoints: what none of them met is too small to
+  // be worth a tile.
+  void mark(int view, const FarHit& hit) {
     const glm::dvec3 direction = glm::dvec3(hit.point) - views_->positions[view];
-    seen_[tile_towards(space_.cell, view, direction, settings_)] += weight * hit.solid_angle;
-    // The probe is sparse: what it saw within a sixth of a tile of a border may reach across it.
-    const double reach = (kTileStride / 6.0) * sample_pitch(settings_.edge_samples()) * glm::length(direction);
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double sign : {-reach, reach}) {
-        glm::dvec3 beside = direction;
-        beside[axis] += sign;
-        seen_[tile_towards(space_.cell, view, beside, settings_)] += 0;
-      }
+    seen_[tile_towards(space_.cell, view, direction, settings_)] += hit.solid_angle;
   }
   void ask_delta_views() {
     std::uint32_t open = (1u << waiting_.size()) - 1;
@@ -75,7 +68,7 @@ class ShellNeeds {
         set_segment(rays, static_cast<int>(k), views_->positions[view], waiting_[k].point, space_, slack_);
       const std::uint32_t held = open & ~scene_.occluded(rays);
       for (std::size_t k = 0; view > 0 && k < waiting_.size(); ++k)
-        if (held >> k & 1) mark(static_cast<int>(view), waiting_[k], 2);
+        if (held >> k & 1) mark(static_cast<int>(view), waiting_[k]);
       open &= ~held;
     }
     waiting_.clear();
@@ -86,7 +79,6 @@ class ShellNeeds {
   const std::shared_ptr<const ShellViews> views_;
   const ImpostorSettings& settings_;
   double slack_;
-  std::size_t count_ = 0;
   std::vector<FarHit> waiting_;
   std::map<TileId, double> seen_;
 };

@@ -91,7 +91,7 @@ glm::dvec3 snap_to_cell(const CellSpace& space, const glm::dvec3& position) {
   return center + glm::round((position - center) / space.side_m * kSteps) / kSteps * space.side_m;
 }
 
-ShellViews choose_views(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings,
+ShellViews choose_views(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings, ViewSearchWidth width,
                         const std::atomic<bool>* cancel) {
   ShellViews result;
   Standpoints stand = find_standpoints(scene, space.box);
@@ -108,10 +108,13 @@ ShellViews choose_views(const Scene& scene, const CellSpace& space, const Impost
     const glm::dvec3 at = center + 0.5 * space.side_m * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
     search.add_candidate(snap_to_cell(space, nearest_to(at)));
   }
+  const bool is_inner = width == ViewSearchWidth::kInnerCell;
+  if (is_inner)
+    for (const glm::dvec3& point : stand.points) search.add_candidate(snap_to_cell(space, point));
   result.first_void_sr = search.candidates().empty() ? 0 : search.candidates()[search.worst()].void_sr;
   const double target = settings.void_target * 4 * 3.14159265358979323846;
   // Nobody can stand in the cell: one view is enough for whoever flies through.
-  const int limit = stand.all_blocked ? 0 : std::min<int>(settings.delta_views, kMaxDeltaViews);
+  const int limit = stand.all_blocked ? 0 : std::min<int>(settings.delta_views * (is_inner ? 2 : 1), kMaxDeltaViews);
   while (static_cast<int>(result.positions.size()) <= limit && !(cancel && cancel->load())) {
     if (result.positions.size() == 3)  // enough sites for a diagram worth having, and cheap enough to try its vertices
       for (const glm::dvec3& vertex : voronoi_vertices(search.views(), space.box))

@@ -21,8 +21,14 @@ struct ShellViews {
   double first_void_sr = 0;            // worst before any delta view
 };
 
-/// Deterministic: depends on scene, settings and cell only. Some hundred thousand rays.
-ShellViews choose_views(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings,
+/// How hard to look for voids. A leaf's viewers stand within its side of each other; an inner cell is as wide as the things
+/// in it, its shell is seen from many leaves, and its views are chosen once for all of them.
+enum class ViewSearchWidth : std::uint8_t { kLeaf, kInnerCell };
+
+/// Candidates are the reachable points nearest to the cell's corners, the diagram's vertices and, in inner cells, a
+/// lattice of 27 points; inner cells may have twice the delta views. Deterministic: depends on scene, settings, cell and
+/// width only. Some hundred thousand rays.
+ShellViews choose_views(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings, ViewSearchWidth width,
                         const std::atomic<bool>* cancel);
 
 /// View positions are snapped to this fraction of the side, so that offsets are exact floats.

@@ -15,8 +15,11 @@ Result<std::shared_ptr<const ShellViews>> ViewCatalogue::views(const CellId& cel
   }
   const std::lock_guard lock(entry->mutex);
   if (entry->views) return entry->views;
+  const Result<bool> is_leaf = tree_->is_leaf(cell, cancel);
+  if (!is_leaf) return tl::unexpected(is_leaf.error());
+  const ViewSearchWidth width = *is_leaf ? ViewSearchWidth::kLeaf : ViewSearchWidth::kInnerCell;
   auto made = std::make_shared<ShellViews>(
-      choose_views(*scene_, CellSpace::of_shell(shells_, cell, root_), settings_, cancel.get()));
+      choose_views(*scene_, CellSpace::of_shell(shells_, cell, root_), settings_, width, cancel.get()));
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
   entry->views = made;
   return entry->views;

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "server/cells/cell_tree.h"
 #include "server/cells/leaf_plan.h"
 #include "server/impostor/shell_views.h"
 
@@ -14,8 +15,9 @@ namespace farfield {
 /// Thread-safe. Bounded: forgets everything beyond 65,536 cells and chooses again, with the same result.
 class ViewCatalogue {
  public:
-  ViewCatalogue(std::shared_ptr<const Scene> scene, const NestedShells& shells, const ImpostorSettings& settings, const CellId& root)
-      : scene_(std::move(scene)), shells_(shells), settings_(settings), root_(root) {}
+  ViewCatalogue(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, const NestedShells& shells,
+                const ImpostorSettings& settings)
+      : scene_(std::move(scene)), tree_(std::move(tree)), shells_(shells), settings_(settings), root_(tree_->scene_root()) {}
 
   /// Errors: kCancelled. Casts some hundred thousand rays the first time; callers that meet wait for each other.
   Result<std::shared_ptr<const ShellViews>> views(const CellId& cell, const CancelFlag& cancel);
@@ -26,6 +28,7 @@ class ViewCatalogue {
     std::shared_ptr<const ShellViews> views;
   };
   const std::shared_ptr<const Scene> scene_;
+  const std::shared_ptr<CellTree> tree_;
   const NestedShells shells_;
   const ImpostorSettings settings_;
   const CellId root_;

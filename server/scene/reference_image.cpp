@@ -55,7 +55,7 @@ class ReferenceRenderer {
     }
     constexpr int kCentral = 5;  // of the 4×4 samples, one of the four around the centre
     if (is_pixel)
-      store(x0, y0, sum / 16.0f, surfaces >= 8, hits.part[kCentral] != kNoHit ? 1.0f / hits.distance[kCentral] : 0.0f);
+      store(x0, y0, sum / 16.0f, surfaces > 8, hits.part[kCentral] != kNoHit ? 1.0f / hits.distance[kCentral] : 0.0f);
   }
   int block_edge() const { return samples_ == 16 ? 1 : 4; }
 

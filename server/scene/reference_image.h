@@ -13,7 +13,8 @@ struct ReferenceImage {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;            // sRGB, rows top to bottom
   std::vector<float> disparity;             // 1/(z along the camera's axis) of the sample nearest the pixel's centre, 1/m
-  std::vector<std::uint8_t> has_surface;    // 1: at least half of the pixel's samples hit a surface
+  std::vector<std::uint8_t> has_surface;    // 1: more than half of the pixel's samples hit a surface; ties, an
+                                            // eighth of all outlines along an axis, say nothing about its centre
 };
 
 /// `eye` in the scene frame. Samples lie on a regular grid in the pixel (1: the pixel's centre; 16: 4×4) and are averaged

@@ -16,7 +16,7 @@ const ImpostorSettings kSettings;
 TEST(ShellViews, AConvexRoomNeedsNoDeltaView) {
   const PlacedScene placed = test::plain_room().build();
   const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
-  const ShellViews views = choose_views(*placed.scene, space, kSettings, nullptr);
+  const ShellViews views = choose_views(*placed.scene, space, kSettings, ViewSearchWidth::kLeaf, nullptr);
   ASSERT_EQ(views.positions.size(), 1u);
   EXPECT_LT(glm::distance(views.positions[0], space.box.center()), 1e-9);
   EXPECT_LE(views.void_worst_sr, kSettings.void_target * 4 * M_PI);
@@ -25,7 +25,7 @@ TEST(ShellViews, AConvexRoomNeedsNoDeltaView) {
 TEST(ShellViews, APillarNeedsDeltaViewsAndTheyFindWhatItHides) {
   const PlacedScene placed = test::pillar_room().build();
   const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
-  const ShellViews views = choose_views(*placed.scene, space, kSettings, nullptr);
+  const ShellViews views = choose_views(*placed.scene, space, kSettings, ViewSearchWidth::kLeaf, nullptr);
   ASSERT_GE(views.positions.size(), 2u);
   EXPECT_LE(views.positions.size(), 1u + kSettings.delta_views);
   EXPECT_GT(views.first_void_sr, 0.01);
@@ -46,7 +46,7 @@ TEST(ShellViews, EveryFurtherViewLeavesLessVoid) {
   double before = 1e9;
   for (int count = 0; count <= 2; ++count) {
     settings.delta_views = count;
-    const ShellViews views = choose_views(*placed.scene, space, settings, nullptr);
+    const ShellViews views = choose_views(*placed.scene, space, settings, ViewSearchWidth::kLeaf, nullptr);
     EXPECT_LE(views.positions.size(), 1u + count);
     EXPECT_LE(views.void_worst_sr, before);
     before = views.void_worst_sr;
@@ -56,7 +56,7 @@ TEST(ShellViews, EveryFurtherViewLeavesLessVoid) {
 TEST(ShellViews, AreTheSameEveryTime) {
   const PlacedScene placed = test::pillar_room().build();
   const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
-  const ShellViews a = choose_views(*placed.scene, space, kSettings, nullptr), b = choose_views(*placed.scene, space, kSettings, nullptr);
+  const ShellViews a = choose_views(*placed.scene, space, kSettings, ViewSearchWidth::kLeaf, nullptr), b = choose_views(*placed.scene, space, kSettings, ViewSearchWidth::kLeaf, nullptr);
   ASSERT_EQ(a.positions.size(), b.positions.size());
   for (std::size_t k = 0; k < a.positions.size(); ++k) EXPECT_TRUE(glm::all(glm::equal(a.positions[k], b.positions[k])));
 }
@@ -65,7 +65,7 @@ TEST(ShellViews, ACellWithinSolidMatterHasOneView) {
   test::Blocks blocks = test::pillar_room();
   blocks.box({{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}});
   const PlacedScene placed = blocks.build();
-  EXPECT_EQ(choose_views(*placed.scene, test::space_around(placed, {0, 0, 0}, 1.0), kSettings, nullptr).positions.size(), 1u);
+  EXPECT_EQ(choose_views(*placed.scene, test::space_around(placed, {0, 0, 0}, 1.0), kSettings, ViewSearchWidth::kLeaf, nullptr).positions.size(), 1u);
 }
 
 TEST(ShellViews, TheIntraViewStandsAtAFreePointNearTheCentre) {
@@ -73,7 +73,7 @@ TEST(ShellViews, TheIntraViewStandsAtAFreePointNearTheCentre) {
   blocks.box({{-0.25, -0.25, -0.25}, {0.25, 0.25, 0.25}});
   const PlacedScene placed = blocks.build();
   const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
-  const ShellViews views = choose_views(*placed.scene, space, kSettings, nullptr);
+  const ShellViews views = choose_views(*placed.scene, space, kSettings, ViewSearchWidth::kLeaf, nullptr);
   const glm::dvec3 offset = glm::abs(views.positions[0] - space.box.center());
   EXPECT_GT(std::max({offset.x, offset.y, offset.z}), 0.25) << "not inside the block";
 }
@@ -81,7 +81,7 @@ TEST(ShellViews, TheIntraViewStandsAtAFreePointNearTheCentre) {
 TEST(ShellViews, StopAsSoonAsTheyAreCancelled) {
   const PlacedScene placed = test::pillar_room().build();
   const std::atomic<bool> cancelled = true;
-  EXPECT_EQ(choose_views(*placed.scene, test::space_around(placed, {0, 0, 0}, 1.0), kSettings, &cancelled).positions.size(), 1u);
+  EXPECT_EQ(choose_views(*placed.scene, test::space_around(placed, {0, 0, 0}, 1.0), kSettings, ViewSearchWidth::kLeaf, &cancelled).positions.size(), 1u);
 }
 
 TEST(ShellViews, SnappedPositionsAreExactFloatsRelativeToTheCell) {
