@@ -2,12 +2,13 @@
 #include "common/image/png.h"
 
 #include <png.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
+
+#include "common/base/complete_file.h"
 
 namespace farfield {
 namespace {
@@ -26,28 +27,6 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
-
-Status write_whole_file(const std::string& path, ByteView bytes) {
-  const std::string temporary = path + ".part";
-  File file(std::fopen(temporary.c_str(), "wb"));
-  if (!file) return fail(ErrorCode::kIo, "{}: cannot create it: {}", temporary, std::strerror(errno));
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size() &&
-                       std::fflush(file.get()) == 0 && fsync(fileno(file.get())) == 0;
-  const int write_error = errno;
-  const bool closed = std::fclose(file.release()) == 0;
-  if (!written || !closed) {
-    const int error = written ? errno : write_error;
-    std::remove(temporary.c_str());
-    return fail(ErrorCode::kIo, "{}: cannot write {} bytes: {}; is the disk full?", path, bytes.size(),
-                std::strerror(error));
-  }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int error = errno;
-    std::remove(temporary.c_str());
-    return fail(ErrorCode::kIo, "{}: cannot put it in place: {}", path, std::strerror(error));
-  }
-  return {};
-}
 
 }  // namespace
 
@@ -91,7 +70,7 @@ Result<Image8> decode_png(ByteView bytes, int channels) {
 Status write_png(const std::string& path, const Image8& image) {
   const Result<Bytes> bytes = encode_png(image);
   if (!bytes) return fail_within(path, bytes.error());
-  return write_whole_file(path, *bytes);
+  return write_complete_file(path, *bytes);
 }
 
 Result<Image8> read_png(const std::string& path, int channels) {

@@ -36,14 +36,11 @@ Pose pose_at(const Trace& trace, double time_s) {
 
 Result<Trace> resampled(const Trace& trace, std::size_t count) {
   if (trace.frames.empty()) return fail(ErrorCode::kInvalidArgument, "trace has no frames to resample");
-  if (count < 1 || (count < 2 && trace.frames.size() > 1)) {
-    return fail(ErrorCode::kInvalidArgument, "a trace of {} frames cannot be resampled to {}: ask for at least 2",
-                trace.frames.size(), count);
-  }
+  if (count < 1) return fail(ErrorCode::kInvalidArgument, "a trace cannot be resampled to no frames: ask for at least 1");
   Trace result;
   result.scene = trace.scene;
-  if (trace.frames.size() == 1) {
-    result.frames = trace.frames;
+  if (trace.frames.size() == 1 || count == 1) {
+    result.frames = {trace.frames.front()};
     return result;
   }
   result.frames.reserve(count);

@@ -29,7 +29,7 @@ struct Trace {
 Pose pose_at(const Trace& trace, double time_s);
 
 /// `count` frames evenly spaced over the trace's time, the first and last included.
-/// Errors: kInvalidArgument if the trace is empty, or count < 1, or count < 2 for a trace of more than one frame.
+/// One frame is the first. Errors: kInvalidArgument if the trace is empty or count < 1.
 Result<Trace> resampled(const Trace& trace, std::size_t count);
 
 /// What a trace is, in numbers. Speeds are between successive frames.

@@ -2,7 +2,6 @@
 #include "common/trace/trace_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,8 @@
 #include <fstream>
 #include <iterator>
 #include <system_error>
+
+#include "common/base/complete_file.h"
 
 namespace farfield {
 namespace {
@@ -112,37 +113,24 @@ Result<Trace> parse_trace(std::string_view text, const std::string& name) {
 
 Result<Trace> read_trace(const std::filesystem::path& path) {
   std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::not_found) {
+    return fail(ErrorCode::kNotFound, "{}: no such file; check the path", path.string());
+  }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    return fail(ErrorCode::kIo, "{}: not a file; name a trace, not a folder or device", path.string());
+  }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return fail(ErrorCode::kNotFound, "{}: {}", path.string(), error.message());
+  if (error) return fail(ErrorCode::kIo, "{}: {}", path.string(), error.message());
   if (size > kMaxTraceBytes) return fail(ErrorCode::kLimitExceeded, "{}: {} bytes; traces may have {}", path.string(), size, kMaxTraceBytes);
   std::ifstream file(path, std::ios::binary);
   std::string text(size, '\0');
-  if (!file.read(text.data(), static_cast<std::streamsize>(size))) return fail(ErrorCode::kIo, "{}: cannot be read", path.string());
+  if (!file.read(text.data(), static_cast<std::streamsize>(size))) return fail(ErrorCode::kIo, "{}: cannot be read; check its permissions", path.string());
   return parse_trace(text, path.string());
 }
 
 Status write_trace(const std::filesystem::path& path, const Trace& trace) {
-  std::filesystem::path temporary = path;
-  temporary += fmt::format(".{}.part", ::getpid());
-  {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    const std::string text = format_trace(trace);
-    file.write(text.data(), static_cast<std::streamsize>(text.size()));
-    file.close();
-    if (!file) {
-      std::error_code ignored;
-      std::filesystem::remove(temporary, ignored);
-      return fail(ErrorCode::kIo, "{}: cannot be written; check the folder and the space left", path.string());
-    }
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    return fail(ErrorCode::kIo, "{}: {}", path.string(), error.message());
-  }
-  return {};
+  return write_complete_file(path, format_trace(trace));
 }
 
 }  // namespace farfield

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/shading/shading.h"
-#include "server/model/complete_file.h"
+#include "common/base/complete_file.h"
 #include "server/model/texture_file.h"
 
 namespace farfield {

@@ -61,11 +61,13 @@ TEST_F(PngFile, SaysWhatIsWrong) {
 
 TEST_F(PngFile, AFullDiskIsReportedAndLeavesNothing) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
-  std::filesystem::create_symlink("/dev/full", path("b.png.part"));
+  std::filesystem::create_symlink("/dev/full", path("b.png"));
   const Status status = write_png(path("b.png"), gradient(64, 64, 3));
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().code, ErrorCode::kIo);
   EXPECT_NE(status.error().message.find("b.png"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::is_symlink(path("b.png"))) << "a device is not replaced";
+  std::filesystem::remove(path("b.png"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 

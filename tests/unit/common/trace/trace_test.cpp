@@ -117,7 +117,11 @@ TEST(Trace, ResampledKeepsEndsAndSpacing) {
   EXPECT_EQ(trace->frames.back().pose.position, walk().frames.back().pose.position);
   EXPECT_NEAR(trace->frames[3].time_s, 6, 1e-12);
   EXPECT_NEAR(length_of(*trace), 10, 1e-7);
-  EXPECT_FALSE(resampled(walk(), 1).has_value());
+  const Result<Trace> first = resampled(walk(), 1);
+  ASSERT_TRUE(first.has_value());
+  ASSERT_EQ(first->frames.size(), 1u);
+  EXPECT_EQ(first->frames[0].time_s, walk().frames.front().time_s);
+  EXPECT_FALSE(resampled(walk(), 0).has_value());
   EXPECT_FALSE(resampled(Trace{}, 5).has_value());
 }
 

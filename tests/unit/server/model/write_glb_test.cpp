@@ -6,7 +6,6 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "server/model/complete_file.h"
 #include "server/model/load_model.h"
 #include "temporary_folder.h"
 
@@ -72,27 +71,6 @@ TEST(WriteGlb, LeavesNothingBehindWhenItFails) {
   EXPECT_EQ(write_glb(two_meshes(), folder.path() / "gone" / "x.glb").error().code, ErrorCode::kIo);
   EXPECT_EQ(write_glb(Model{}, folder.path() / "x.glb").error().code, ErrorCode::kInvalidArgument);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
-}
-
-TEST(CompleteFile, AppearsWholeOrNotAtAll) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.path() / "data";
-  const std::uint8_t bytes[] = {1, 2, 3};
-  {
-    Result<CompleteFile> file = CompleteFile::create(path);
-    ASSERT_TRUE(file);
-    file->write(bytes);
-    EXPECT_FALSE(std::filesystem::exists(path)) << "not before commit()";
-  }
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "abandoned: removed";
-  {
-    Result<CompleteFile> file = CompleteFile::create(path);
-    ASSERT_TRUE(file);
-    file->write(bytes);
-    EXPECT_TRUE(file->commit());
-  }
-  EXPECT_EQ(std::filesystem::file_size(path), 3u);
-  EXPECT_FALSE(CompleteFile::create(folder.path()));
 }
 
 }  // namespace
