@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "client/app/client_program.h"
+#include "common/base/one_line.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -17,7 +18,7 @@ int main(int argument_count, char** arguments) {
   try {
     return farfield::client::run_client(argument_count, arguments, std::cout, std::cerr);
   } catch (const std::exception& exception) {
-    std::cerr << "farfield-client: " << exception.what() << '\n';
+    farfield::complain(std::cerr, "farfield-client", exception.what());
     return farfield::client::kExitFailure;
   }
 }

@@ -10,6 +10,8 @@
 #include "client/app/headless_run.h"
 #include "client/app/interrupt_watch.h"
 #include "client/input/run_window.h"
+#include "common/base/complete_file.h"
+#include "common/base/one_line.h"
 #include "common/net/link_proxy.h"
 #include "common/trace/trace_file.h"
 
@@ -71,7 +73,10 @@ Status connect(Parts& parts) {
   client.store_bytes = options.memory_bytes;
   parts.core = std::make_unique<ClientCore>(client);
   parts.core->start();
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.timeout_s);
+  // A server that is just starting needs no word; whoever has waited longer is told why.
+  constexpr std::chrono::seconds kPatience{3};
+  const auto begin = std::chrono::steady_clock::now();
+  const auto until = begin + std::chrono::duration<double>(options.timeout_s);
   bool has_told = false;
   for (;;) {
     Result<SceneDescription> scene = parts.core->wait_welcome(std::chrono::milliseconds(100));
@@ -85,8 +90,9 @@ Status connect(Parts& parts) {
     if (is_final || std::chrono::steady_clock::now() >= until) {
       return tl::unexpected(status.error.message.empty() ? scene.error() : status.error);
     }
-    if (!has_told && !options.is_quiet && !status.error.message.empty()) {
-      parts.talk << "farfield-client: " << status.error.message << "; trying again\n";
+    const bool is_long = std::chrono::steady_clock::now() - begin > kPatience;
+    if (!has_told && is_long && !options.is_quiet && !status.error.message.empty()) {
+      complain(parts.talk, "farfield-client", status.error.message + "; trying again");
       has_told = true;
     }
   }
@@ -157,6 +163,10 @@ Result<RunReport> walk_in_window(Parts& parts, std::optional<Trace> trace) {
 }
 
 Result<RunReport> walk(Parts& parts) {
+  // Said before the walk, which may take minutes.
+  if (!parts.options.record.empty()) {
+    if (Status status = check_file_can_be_written(parts.options.record); !status) return tl::unexpected(status.error());
+  }
   Result<std::optional<Trace>> trace = load_trace(parts.options);
   if (!trace) return tl::unexpected(trace.error());
   const Result<Renderer> renderer = choose_renderer(parts.options.renderer);
@@ -164,8 +174,8 @@ Result<RunReport> walk(Parts& parts) {
   parts.renderer = *renderer;
   if (Status status = connect(parts); !status) return tl::unexpected(status.error());
   if (!parts.options.is_quiet) {
-    parts.talk << fmt::format("farfield-client: {} at {}, {} triangles\n", parts.scene.name,
-                              to_string(parts.options.server), parts.scene.triangles);
+    complain(parts.talk, "farfield-client", fmt::format("{} at {}, {} triangles", parts.scene.name,
+                                                        to_string(parts.options.server), parts.scene.triangles));
   }
   Result<RunReport> report = parts.options.is_window ? walk_in_window(parts, std::move(*trace))
                                                      : walk_headless(parts, std::move(*trace));
@@ -185,9 +195,13 @@ int run_client(int argument_count, const char* const* arguments, std::ostream& o
   Parts parts{*options, talk, interrupts ? interrupts->is_interrupted() : never};
   const Result<RunReport> report = walk(parts);
   if (report) write_report(*report, options->is_json, out);
+  if (report && !out) {
+    complain(talk, "farfield-client", "the report cannot be written to the output");
+    return kExitFailure;
+  }
   if (parts.is_interrupted) return kExitInterrupted;
   if (report) return 0;
-  talk << "farfield-client: " << report.error().message << '\n';
+  complain(talk, "farfield-client", report.error().message);
   return report.error().code == ErrorCode::kInvalidArgument ? kExitUsage : kExitFailure;
 }
 

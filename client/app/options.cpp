@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/app/options.h"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <map>
 #include <numbers>
 #include <ostream>
 #include <string_view>
 
+#include "common/base/byte_size.h"
+#include "common/base/command_line.h"
 #include "common/net/message_type.h"
 
 namespace farfield::client {
@@ -71,7 +72,7 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   app.footer(kFooter);
   app.set_version_flag("--version", version_line());
 
-  std::string connect = to_string(options.server), size, link, record, trace, frames_dir;
+  std::string connect = to_string(options.server), size, link, record, trace, frames_dir, memory;
   double fovy_deg = 60;
   bool is_headless = false;
   app.add_option("--connect", connect, "Server, HOST:PORT")->envname("FARFIELD_CONNECT")->capture_default_str();
@@ -82,10 +83,10 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   headless->excludes("--window");
   app.add_option("--trace", trace, "Replay a recorded camera path")->check(CLI::ExistingFile);
   app.add_option("--frames-dir", frames_dir, "Write every frame as PNG into this folder")->needs(headless);
-  app.add_option("--frames", options.frames, "Frames to draw; in lockstep spread evenly over the trace");
+  app.add_option("--frames", options.frames, "Frames to draw; in lockstep spread evenly over the trace; 0: all")->check(whole_number_between(0, 10'000'000));
   app.add_flag("--lockstep", options.is_lockstep, "Every frame waits for its complete leaf set")->needs(headless);
   app.add_option("--fps", options.frames_per_second, "At most this many frames per second; 0: no bound")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(number_between(0, 1000))
       ->capture_default_str();
   app.add_option("--record", record, "Write the walk as a trace to this file");
   const std::map<std::string, RendererChoice> renderers{
@@ -99,21 +100,16 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   app.add_option("--size", size, "Image size, WIDTHxHEIGHT")
       ->check(storing([&](const std::string& text) { return parse_size(text, options.display); }))
       ->default_str("1280x720");
-  app.add_option("--fovy", fovy_deg, "Vertical field of view in degrees")->check(CLI::Range(1.0, 170.0))->capture_default_str();
-  app.add_option("--memory", options.memory_bytes, "Bound on decoded geometry and images, as in 320MiB")
-      ->transform(CLI::AsSizeValue(true))
+  app.add_option("--fovy", fovy_deg, "Vertical field of view in degrees")->check(number_between(1, 170))->capture_default_str();
+  app.add_option("--memory", memory, "Bound on decoded geometry and images, as in 320MiB")
       ->envname("FARFIELD_MEMORY")
       ->default_str("448MiB");
   app.add_option("--timeout", options.timeout_s, "Seconds to wait for the server, and in lockstep for a leaf set")
-      ->check(CLI::Range(0.1, 86400.0))
+      ->check(number_between(0.1, 86400))
       ->capture_default_str();
   app.add_flag("--json", options.is_json, "Figures as JSON on stdout");
   app.add_flag("-q,--quiet", options.is_quiet, "No talk on stderr but errors");
-  try {
-    app.parse(argument_count, arguments);
-  } catch (const CLI::ParseError& error) {
-    return tl::unexpected(app.exit(error, out, talk) == 0 ? 0 : kExitUsage);
-  }
+  if (const std::optional<int> over = parse_command_line(app, argument_count, arguments, out, talk)) return tl::unexpected(*over);
 
   options.is_window = !is_headless;
   options.display.fovy_rad = fovy_deg * std::numbers::pi / 180.0;
@@ -123,11 +119,19 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   const Result<Endpoint> endpoint = parse_endpoint(connect);
   const Result<LinkModel> model = link.empty() ? Result<LinkModel>(LinkModel{}) : parse_link_model(link);
   if (!endpoint || !model) {
-    talk << (endpoint ? "--link: " + model.error().message : "--connect: " + endpoint.error().message) << '\n';
+    complain(talk, app.get_name(), endpoint ? "--link: " + model.error().message : "--connect: " + endpoint.error().message);
     return tl::unexpected(kExitUsage);
   }
+  if (!memory.empty()) {
+    const Result<std::size_t> bytes = parse_byte_size(memory);
+    if (!bytes) {
+      complain(talk, app.get_name(), "--memory: " + bytes.error().message);
+      return tl::unexpected(kExitUsage);
+    }
+    options.memory_bytes = *bytes;
+  }
   if (options.memory_bytes < kLeastMemory) {
-    talk << "--memory: " << options.memory_bytes << " bytes hold nothing; give at least 1MiB\n";
+    complain(talk, app.get_name(), fmt::format("--memory: {} bytes hold nothing; give at least 1MiB", options.memory_bytes));
     return tl::unexpected(kExitUsage);
   }
   options.server = *endpoint;

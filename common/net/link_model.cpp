@@ -8,6 +8,7 @@
 namespace farfield {
 namespace {
 
+constexpr double kLongestSeconds = 60;  // of delay or jitter
 constexpr double kPacketBytes = 1448;  // TCP payload of an Ethernet packet with timestamps
 
 struct Quantity {
@@ -39,7 +40,9 @@ Result<double> parse_seconds(std::string_view key, std::string_view text) {
   const Result<Quantity> quantity = parse_quantity(text);
   if (!quantity) return tl::unexpected(quantity.error());
   for (const auto& [unit, factor] : {std::pair<std::string_view, double>{"us", 1e-6}, {"ms", 1e-3}, {"s", 1}}) {
-    if (quantity->unit == unit) return quantity->value * factor;
+    if (quantity->unit != unit) continue;
+    if (quantity->value * factor <= kLongestSeconds) return quantity->value * factor;
+    return fail(ErrorCode::kInvalidArgument, "{}={}: at most {} s are modelled", key, text, kLongestSeconds);
   }
   return fail(ErrorCode::kInvalidArgument, "{}={}: write a unit: us, ms or s", key, text);
 }

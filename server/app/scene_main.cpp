@@ -3,13 +3,14 @@
 #include <exception>
 #include <iostream>
 
+#include "common/base/one_line.h"
 #include "server/app/scene_tool.h"
 
 int main(int argument_count, char** arguments) {
   try {
     return farfield::run_scene_tool(argument_count, arguments);
   } catch (const std::exception& exception) {
-    std::cerr << "farfield-scene: " << exception.what() << '\n';
+    farfield::complain(std::cerr, "farfield-scene", exception.what());
     return 1;
   }
 }

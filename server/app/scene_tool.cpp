@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/scene_tool.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <ostream>
-#include <vector>
 
+#include "common/base/command_line.h"
+#include "common/base/complete_file.h"
+#include "server/app/load_arguments.h"
 #include "server/model/import_report.h"
 #include "server/model/write_glb.h"
 
@@ -30,21 +31,13 @@ constexpr const char* kFooter = R"(Examples:
 
 Exit codes: 0 done, 1 failed, 2 wrong usage.)";
 
-void add_info(CLI::App& app, SceneInfoOptions& options, std::vector<double>& shift, unsigned& memory_gb) {
+void add_info(CLI::App& app, SceneInfoOptions& options, LoadArguments& load) {
   CLI::App* info =
       app.add_subcommand("info", "Load a scene and report triangles, materials, bounds and what was dropped");
   info->add_option("SCENE", options.scene,
                    "Model file (.glb .gltf .obj .ply .stl .off .dae .ac .ifc .city.json .jsonl) or KIND:TRIANGLES:SEED")
       ->required();
-  info->add_option("--units", options.load.metres_per_unit, "Metres per unit of the file (default 1)")
-      ->check(CLI::Range(1e-9, 1e9));
-  info->add_option("--up", options.load.up, "Axis that points up in the file (default y; z for CityJSON)")
-      ->check(CLI::IsMember({"x", "y", "z"}));
-  info->add_option("--shift", shift, "Metres added to every position after units and up, as X,Y,Z")
-      ->delimiter(',')
-      ->expected(3);
-  info->add_option("--memory-gb", memory_gb, "Memory the import process may use (default 8)")
-      ->check(CLI::Range(1, 1024));
+  load.add_to(*info);
   info->add_flag("--json", options.is_json, "Report as JSON");
 }
 
@@ -79,6 +72,7 @@ Status run_scene_generate(const SceneGenerateOptions& options, std::ostream& out
     return fail(ErrorCode::kInvalidArgument, "{}: name a scene to generate as KIND:TRIANGLES:SEED, as in city:500000:7",
                 options.scene);
   }
+  if (const Status status = check_file_can_be_written(options.output); !status) return status;
   const Clock::time_point start = Clock::now();
   const Result<Model> model = load_model(options.scene);
   if (!model) return tl::unexpected(model.error());
@@ -95,23 +89,16 @@ int run_scene_tool(int argument_count, const char* const* arguments) {
   app.require_subcommand(1);
   SceneInfoOptions info;
   SceneGenerateOptions generate;
-  std::vector<double> shift;
-  unsigned memory_gb = 8;
-  add_info(app, info, shift, memory_gb);
+  LoadArguments load;
+  add_info(app, info, load);
   add_generate(app, generate);
-  try {
-    app.parse(argument_count, arguments);
-  } catch (const CLI::ParseError& error) {
-    constexpr int kUsageExit = 2;
-    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : kUsageExit;
-  }
-  if (shift.size() == 3) info.load.shift = {shift[0], shift[1], shift[2]};
-  info.load.memory_limit_bytes = std::size_t{memory_gb} << 30;
+  if (const std::optional<int> over = parse_command_line(app, argument_count, arguments, std::cout, std::cerr)) return *over;
+  info.load = load.options();
 
   const bool is_info = app.got_subcommand("info");
   const Status status = is_info ? run_scene_info(info, std::cout) : run_scene_generate(generate, std::cout);
   if (status) return 0;
-  std::cerr << "farfield-scene: " << status.error().message << '\n';
+  complain(std::cerr, "farfield-scene", status.error().message);
   return status.error().code == ErrorCode::kInvalidArgument ? 2 : 1;
 }
 

@@ -3,13 +3,14 @@
 #include <exception>
 #include <iostream>
 
+#include "common/base/one_line.h"
 #include "server/app/server_program.h"
 
 int main(int argument_count, char** arguments) {
   try {
     return farfield::run_server_program(argument_count, arguments);
   } catch (const std::exception& exception) {
-    std::cerr << "farfield-server: " << exception.what() << '\n';
+    farfield::complain(std::cerr, "farfield-server", exception.what());
     return 1;
   }
 }

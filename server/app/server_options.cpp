@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line of farfield-server.
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <iostream>
 
-#include "server/app/byte_size.h"
+#include "common/base/command_line.h"
+#include "common/base/byte_size.h"
+#include "server/app/load_arguments.h"
+#include "server/app/quality_arguments.h"
 #include "server/app/server_program.h"
 
 namespace farfield {
@@ -24,7 +26,7 @@ Exit codes: 0 told to stop, 1 failed, 2 wrong usage, 130 interrupted.)";
 struct RawOptions {
   std::vector<std::string> scenes;
   std::string listen = "127.0.0.1:7400", admin, memory = "4GiB";
-  std::vector<double> shift;
+  LoadArguments load;
   bool shows_version = false;
 };
 
@@ -35,12 +37,9 @@ void add_options(CLI::App& app, RawOptions& raw, ServerProgramOptions& options) 
   app.add_option("--listen", raw.listen, "HOST:PORT for clients; port 0 takes any free one and prints it")->capture_default_str();
   app.add_option("--admin", raw.admin, "HOST:PORT for /metrics, /healthz and /readyz (default: off)");
   app.add_option("--memory", raw.memory, "Bound of the encoded tiles kept in memory")->capture_default_str();
-  app.add_option("--threads", options.threads, "Threads that make tiles (default: one per processor)")->check(CLI::Range(1, 1024));
-  app.add_option("--units", options.load.metres_per_unit, "Metres per unit of the model files (default: what they say, else 1)")
-      ->check(CLI::Range(1e-9, 1e9));
-  app.add_option("--up", options.load.up, "Axis that points up in the model files (default y; z for CityJSON)")
-      ->check(CLI::IsMember({"x", "y", "z"}));
-  app.add_option("--shift", raw.shift, "Metres added to every position after units and up, as X,Y,Z")->delimiter(',')->expected(3);
+  app.add_option("--threads", options.threads, "Threads that make tiles (default: one per processor)")->check(whole_number_between(1, 1024));
+  raw.load.add_to(app);
+  add_quality_options(app, options.settings);
   app.add_flag("--json", options.is_json, "Where it listens, and the log, as JSON lines");
   app.add_flag("--verbose", options.is_verbose, "Log every session");
 }
@@ -62,7 +61,9 @@ Status fill(const RawOptions& raw, ServerProgramOptions& options) {
   const Result<std::size_t> memory = parse_byte_size(raw.memory);
   if (!memory) return fail_within("--memory", memory.error());
   options.memory_bytes = *memory;
-  if (raw.shift.size() == 3) options.load.shift = {raw.shift[0], raw.shift[1], raw.shift[2]};
+  options.load = raw.load.options();
+  ImpostorSettings& settings = options.settings;
+  if (settings.face_tiles == 0) settings.face_tiles = face_tiles_for(settings.display, settings.kappa);
   return {};
 }
 
@@ -75,15 +76,11 @@ int run_server_program(int argument_count, const char* const* arguments) {
   RawOptions raw;
   ServerProgramOptions options;
   add_options(app, raw, options);
-  try {
-    app.parse(argument_count, arguments);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : kUsageExit;
-  }
+  if (const std::optional<int> over = parse_command_line(app, argument_count, arguments, std::cout, std::cerr)) return *over;
   Status filled = fill(raw, options);
   const Result<int> signal = filled ? run_server(options) : tl::unexpected(filled.error());
   if (signal) return *signal == SIGINT ? kInterruptedExit : 0;
-  std::cerr << "farfield-server: " << signal.error().message << '\n';
+  complain(std::cerr, "farfield-server", signal.error().message);
   return signal.error().code == ErrorCode::kInvalidArgument ? kUsageExit : 1;
 }
 

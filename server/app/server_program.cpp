@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <unordered_set>
 
+#include "common/net/connect.h"
 #include "server/admin/admin_server.h"
 #include "server/admin/server_metrics.h"
 #include "server/store/memory_tile_store.h"
@@ -44,6 +45,18 @@ std::string metrics_page(const Server& server, const std::vector<std::shared_ptr
   write_metrics(out, services);
   write_process_metrics(out);
   return out.text();
+}
+
+/// Said before minutes are spent on loading; the sockets are opened for good when there is something to serve.
+Status check_addresses(const ServerProgramOptions& options) {
+  asio::io_context context{1};
+  if (const auto listening = listen_at(context.get_executor(), options.listen); !listening) {
+    return tl::unexpected(listening.error());
+  }
+  if (!options.admin) return {};
+  const auto listening = listen_at(context.get_executor(), *options.admin);
+  if (!listening) return fail_within("--admin", listening.error());
+  return {};
 }
 
 void print_where(const ServerProgramOptions& options, const Server& server, const AdminServer* admin) {
@@ -98,6 +111,7 @@ Status check_names(const std::vector<SceneArgument>& scenes) {
 
 Result<int> run_server(const ServerProgramOptions& options) {
   if (const Status unique = check_names(options.scenes); !unique) return tl::unexpected(unique.error());
+  if (const Status free = check_addresses(options); !free) return tl::unexpected(free.error());
   EventLog log(options.is_json);
   const auto services = build_services(options, log);
   if (!services) return tl::unexpected(services.error());
@@ -118,6 +132,7 @@ Result<int> run_server(const ServerProgramOptions& options) {
     admin = std::move(*started);
   }
   print_where(options, **server, admin.get());
+  if (!std::cout) log.write("warning: where it listens cannot be written to the output");
   const int signal = wait_for_signal(context, signals);
   log.write("stopping: clients are told to come back later");
   (*server)->drain("the server is shutting down", kDrainGrace);

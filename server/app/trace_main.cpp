@@ -3,13 +3,14 @@
 #include <exception>
 #include <iostream>
 
+#include "common/base/one_line.h"
 #include "server/app/trace_tool.h"
 
 int main(int argument_count, char** arguments) {
   try {
     return farfield::run_trace_tool(argument_count, arguments);
   } catch (const std::exception& exception) {
-    std::cerr << "farfield-trace: " << exception.what() << '\n';
+    farfield::complain(std::cerr, "farfield-trace", exception.what());
     return 1;
   }
 }

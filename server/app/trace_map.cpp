@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <vector>
 
+#include "common/image/tiny_font.h"
 #include "server/app/body_probe.h"
 
 namespace farfield {
@@ -147,6 +149,66 @@ std::string svg_map(const Trace& trace, const Scene* scene) {
   fmt::format_to(out, "<path d=\"M12 {0:.1f} v6 h{1:.1f} v-6\" fill=\"none\" stroke=\"#222\"/>\n<text x=\"18\" y=\"{2:.1f}\" font-family=\"sans-serif\" font-size=\"13\">{3} m</text>\n</svg>\n",
                  height - 18, px * bar, height - 18, bar);
   return svg;
+}
+
+
+namespace {
+
+using Colour = std::array<std::uint8_t, 3>;
+
+void fill_rectangle(Image8& image, glm::dvec2 low, glm::dvec2 high, const Colour& colour) {
+  const auto edge = [](double at, int most) { return std::clamp(static_cast<int>(std::lround(at)), 0, most); };
+  for (int y = edge(low.y, image.height); y < edge(high.y, image.height); ++y) {
+    for (int x = edge(low.x, image.width); x < edge(high.x, image.width); ++x) std::copy(colour.begin(), colour.end(), image.at(x, y));
+  }
+}
+
+void fill_disc(Image8& image, glm::dvec2 middle, double radius, const Colour& colour) {
+  for (int y = static_cast<int>(std::floor(middle.y - radius)); y <= middle.y + radius; ++y) {
+    for (int x = static_cast<int>(std::floor(middle.x - radius)); x <= middle.x + radius; ++x) {
+      const bool is_inside = x >= 0 && y >= 0 && x < image.width && y < image.height;
+      if (is_inside && glm::distance(glm::dvec2(x, y) + 0.5, middle) <= radius) std::copy(colour.begin(), colour.end(), image.at(x, y));
+    }
+  }
+}
+
+void draw_line(Image8& image, glm::dvec2 from, glm::dvec2 to, double radius, const Colour& colour) {
+  const int steps = 1 + static_cast<int>(glm::distance(from, to));
+  for (int i = 0; i <= steps; ++i) fill_disc(image, glm::mix(from, to, static_cast<double>(i) / steps), radius, colour);
+}
+
+}  // namespace
+
+Image8 png_map(const Trace& trace, const Scene* scene) {
+  constexpr double kWidthPx = 900;
+  constexpr Colour kPaper{0xf7, 0xf6, 0xf2}, kSolid{0x8d, 0x93, 0x9b}, kPath{0xc4, 0x45, 0x2d}, kGaze{0x2b, 0x5f, 0x8a}, kStart{0x2f, 0x8f, 0x4e}, kInk{0x22, 0x22, 0x22};
+  Plan plan = plan_of(trace, 225, 1);
+  if (scene) mark_solid(plan, trace, *scene);
+  const double px = kWidthPx / (plan.high.x - plan.low.x);
+  Image8 image(static_cast<int>(kWidthPx), std::max(1, static_cast<int>(std::lround(px * (plan.high.y - plan.low.y)))), 3);
+  fill_rectangle(image, {0, 0}, {image.width, image.height}, kPaper);
+  const auto at = [&](const glm::dvec3& world) { return px * (glm::dvec2(world.x, world.z) - plan.low); };
+  const glm::dvec2 cell = px * plan.cell();
+  for (std::size_t i = 0; i < plan.is_solid.size(); ++i) {
+    const glm::dvec2 corner(static_cast<int>(i) % plan.columns, static_cast<int>(i) / plan.columns);
+    if (plan.is_solid[i]) fill_rectangle(image, cell * corner, cell * (corner + 1.0), kSolid);
+  }
+  const std::size_t stride = std::max<std::size_t>(1, trace.frames.size() / 4000);
+  for (std::size_t i = stride; i < trace.frames.size(); i += stride) {
+    draw_line(image, at(trace.frames[i - stride].pose.position), at(trace.frames[i].pose.position), 1.25, kPath);
+  }
+  const std::size_t gaze_stride = std::max<std::size_t>(1, trace.frames.size() / 40);
+  for (std::size_t i = 0; i < trace.frames.size(); i += gaze_stride) {
+    const Pose& pose = trace.frames[i].pose;
+    const glm::dvec3 ahead = pose.world_from_camera * glm::dvec3(0, 0, -1);
+    draw_line(image, at(pose.position), at(pose.position) + 16.0 * glm::dvec2(ahead.x, ahead.z), 0.7, kGaze);
+  }
+  fill_disc(image, at(trace.frames.front().pose.position), 6, kStart);
+  fill_disc(image, at(trace.frames.back().pose.position), 6, kPath);
+  const double bar = scale_bar_m(plan.high.x - plan.low.x), low = image.height - 12;
+  fill_rectangle(image, {12, low - 2}, {12 + px * bar, low}, kInk);
+  draw_text(image, 14, image.height - 30, fmt::format("{} m", bar), 2, kInk);
+  return image;
 }
 
 }  // namespace farfield

@@ -3,15 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <vector>
 
+#include "common/base/command_line.h"
+#include "common/base/complete_file.h"
+#include "common/image/png.h"
 #include "common/trace/trace_file.h"
+#include "server/app/load_arguments.h"
 #include "server/app/trace_map.h"
 
 namespace farfield {
@@ -22,7 +23,7 @@ constexpr const char* kFooter = R"(Examples:
   farfield-trace generate pipes:1000000:1 --kind walk --seconds 30 -o walk.txt
   farfield-trace generate delft.city.json --kind fly --speed 12 --seed 3 -o flight.txt
   farfield-trace show walk.txt
-  farfield-trace show walk.txt --scene pipes:1000000:1 --svg walk.svg
+  farfield-trace show walk.txt --scene pipes:1000000:1 --svg walk.svg --png walk.png
 
 A trace is text: one line "t x y z qx qy qz qw" per frame, seconds and metres, world coordinates.
 Exit codes: 0 done, 1 failed, 2 wrong usage.)";
@@ -49,31 +50,14 @@ std::string as_text(const TraceSummary& s, const Trace& trace, const std::filesy
                      s.speed_p95_m_s, s.turn_p95_rad_s * kDegrees, low.x, low.y, low.z, high.x, high.y, high.z);
 }
 
-// Options of both subcommands that say how the scene's file is read.
-struct LoadArguments {
-  LoadOptions load;
-  std::vector<double> shift;
-
-  void add_to(CLI::App& command) {
-    command.add_option("--units", load.metres_per_unit, "Metres per unit of the scene's file (default 1)")->check(CLI::PositiveNumber);
-    command.add_option("--up", load.up, "Axis that points up in the scene's file")->check(CLI::IsMember({"x", "y", "z"}));
-    command.add_option("--shift", shift, "Metres added to every position, as X,Y,Z")->delimiter(',')->expected(3);
-  }
-  LoadOptions options() const {
-    LoadOptions result = load;
-    if (shift.size() == 3) result.shift = {shift[0], shift[1], shift[2]};
-    return result;
-  }
-};
-
 CLI::App* add_generate(CLI::App& app, TraceGenerateOptions& options, std::string& kind, LoadArguments& load) {
   CLI::App* command = app.add_subcommand("generate", "Make a smooth camera path that touches nothing");
   command->add_option("SCENE", options.scene, "Model file or KIND:TRIANGLES:SEED")->required();
   command->add_option("--kind", kind, "walk (eyes 1.7 m above the floor), fly or orbit")->check(CLI::IsMember({"walk", "fly", "orbit"}))->capture_default_str();
-  command->add_option("--speed", options.trace.speed_m_s, "Metres per second (default: walk 1.4, fly 4, orbit one turn)")->check(CLI::NonNegativeNumber);
-  command->add_option("--seconds", options.trace.seconds, "Duration")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--seed", options.trace.seed, "Another seed, another path")->capture_default_str();
-  command->add_option("--fps", options.trace.frames_per_second, "Frames per second")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--speed", options.trace.speed_m_s, "Metres per second (default: walk 1.4, fly 4, orbit one turn)")->check(number_between(0, 1e6));
+  command->add_option("--seconds", options.trace.seconds, "Duration")->check(number_between(1e-3, 86400))->capture_default_str();
+  command->add_option("--seed", options.trace.seed, "Another seed, another path")->check(whole_number_between(0, UINT64_MAX))->capture_default_str();
+  command->add_option("--fps", options.trace.frames_per_second, "Frames per second")->check(number_between(0.01, 10000))->capture_default_str();
   command->add_option("-o,--output", options.output, "File to write")->required();
   command->add_flag("--json", options.is_json, "Report as JSON");
   load.add_to(*command);
@@ -85,6 +69,7 @@ CLI::App* add_show(CLI::App& app, TraceShowOptions& options, LoadArguments& load
   command->add_option("FILE", options.file, "Trace file")->required();
   command->add_option("--scene", options.scene, "Scene to draw it in: model file or KIND:TRIANGLES:SEED");
   command->add_option("--svg", options.svg, "Also write the drawing as SVG");
+  command->add_option("--png", options.png, "Also write the drawing as PNG");
   command->add_flag("--json", options.is_json, "Report as JSON, without the drawing");
   load.add_to(*command);
   return command;
@@ -93,12 +78,13 @@ CLI::App* add_show(CLI::App& app, TraceShowOptions& options, LoadArguments& load
 }  // namespace
 
 Status run_trace_generate(const TraceGenerateOptions& options, std::ostream& out, std::ostream& talk) {
+  if (const Status status = check_file_can_be_written(options.output); !status) return status;
   const Result<std::shared_ptr<const Scene>> scene = load_scene(options.scene, options.load);
   if (!scene) return tl::unexpected(scene.error());
   std::string note;
   Result<Trace> trace = generate_trace(**scene, options.trace, &note);
   if (!trace) return tl::unexpected(trace.error());
-  if (!note.empty()) talk << "farfield-trace: " << note << '\n';
+  if (!note.empty()) complain(talk, "farfield-trace", note);
   trace->scene = options.scene;
   if (const Status status = write_trace(options.output, *trace); !status) return status;
   const TraceSummary summary = summarise(*trace);
@@ -125,11 +111,9 @@ Status run_trace_show(const TraceShowOptions& options, std::ostream& out) {
   out.flush();
   if (!out) return fail(ErrorCode::kIo, "the report cannot be written to the output");
   if (!options.svg.empty()) {
-    std::ofstream file(options.svg, std::ios::binary);
-    file << svg_map(*trace, scene.get());
-    file.close();
-    if (!file) return fail(ErrorCode::kIo, "{}: cannot be written", options.svg.string());
+    if (const Status status = write_complete_file(options.svg, svg_map(*trace, scene.get())); !status) return status;
   }
+  if (!options.png.empty()) return write_png(options.png.string(), png_map(*trace, scene.get()));
   return {};
 }
 
@@ -144,18 +128,13 @@ int run_trace_tool(int argument_count, const char* const* arguments) {
   std::string kind = "walk";
   const CLI::App* generate_command = add_generate(app, generate, kind, generate_load);
   add_show(app, show, show_load);
-  try {
-    app.parse(argument_count, arguments);
-  } catch (const CLI::ParseError& error) {
-    constexpr int kUsageExit = 2;
-    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : kUsageExit;
-  }
+  if (const std::optional<int> over = parse_command_line(app, argument_count, arguments, std::cout, std::cerr)) return *over;
   generate.trace.kind = *trace_kind_of(kind);
   generate.load = generate_load.options();
   show.load = show_load.options();
   const Status status = generate_command->parsed() ? run_trace_generate(generate, std::cout, std::cerr) : run_trace_show(show, std::cout);
   if (status) return 0;
-  std::cerr << "farfield-trace: " << status.error().message << '\n';
+  complain(std::cerr, "farfield-trace", status.error().message);
   return status.error().code == ErrorCode::kInvalidArgument ? 2 : 1;
 }
 

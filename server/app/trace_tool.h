@@ -23,7 +23,7 @@ struct TraceShowOptions {
   std::filesystem::path file;
   std::string scene;  // empty: none
   LoadOptions load;
-  std::filesystem::path svg;  // empty: none
+  std::filesystem::path svg, png;  // empty: none
   bool is_json = false;
 };
 

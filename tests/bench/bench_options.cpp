@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/bench_options.h"
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <sstream>
+
+#include "server/app/load_arguments.h"
+#include "server/app/quality_arguments.h"
 
 namespace farfield::bench {
 namespace {
@@ -19,9 +22,9 @@ std::vector<std::string> split(const std::string& text) {
 }
 
 std::string parse_size(const std::string& text, Display& display) {
-  if (std::sscanf(text.c_str(), "%dx%d", &display.width, &display.height) == 2 && display.width >= 16 && display.height >= 16 &&
-      display.width <= 8192 && display.height <= 8192)
-    return {};
+  int used = 0;
+  const bool is_size = std::sscanf(text.c_str(), "%dx%d%n", &display.width, &display.height, &used) == 2 && text.size() == static_cast<std::size_t>(used);
+  if (is_size && std::min(display.width, display.height) >= 16 && std::max(display.width, display.height) <= 8192) return {};
   return "--size '" + text + "': write WIDTHxHEIGHT, 16 to 8192 each";
 }
 
@@ -32,27 +35,23 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   BenchOptions& bench = command.bench;
   bench.settings.face_tiles = 0;
   CLI::App app{"Runs methods of showing a scene side by side on one trace and measures time, bytes and error against truth.\n\n"
-               "Example: farfield-bench --scene pipes:1000000:1 --trace walk.txt --methods rays,farfield-cpu --json out.json"};
+               "Example: farfield-bench --scene pipes:1000000:1 --trace walk.txt --methods rays,farfield-cpu --json out.json", "farfield-bench"};
   app.set_version_flag("--version", std::string("farfield-bench 0.1.0"));
-  std::string methods = "rays,geometry,geometry-culled,farfield-cpu,farfield-gl", size = "1280x720", shift;
+  std::string methods = "rays,geometry,geometry-culled,farfield-cpu,farfield-gl", size = "1280x720";
   double fovy = 60;
+  LoadArguments load;
   app.add_option("--scene", bench.scene, "a file, or kind:triangles:seed");
   app.add_option("--trace", bench.trace, "camera path, as farfield-trace makes it");
   app.add_option("--methods", methods, "of rays, geometry, geometry-culled, farfield-cpu, farfield-gl")->capture_default_str();
   app.add_option("--size", size, "pixels, WIDTHxHEIGHT")->capture_default_str();
-  app.add_option("--fovy", fovy, "vertical field of view in degrees")->check(CLI::Range(1.0, 170.0))->capture_default_str();
-  app.add_option("--frames", bench.frames, "frames compared with truth, spread evenly over the trace")->check(CLI::Range(1, 100000))->capture_default_str();
+  app.add_option("--fovy", fovy, "vertical field of view in degrees")->check(number_between(1, 170))->capture_default_str();
+  app.add_option("--frames", bench.frames, "frames compared with truth, spread evenly over the trace")->check(whole_number_between(1, 100000))->capture_default_str();
   app.add_option("--truth-samples", bench.truth_samples, "rays per pixel of truth")->check(CLI::IsMember({1, 16}))->capture_default_str();
   app.add_option("--link", bench.link, "none, or rate=20mbit,delay=50ms,jitter=20ms,loss=0.1%")->capture_default_str();
-  app.add_option("--shift", shift, "X,Y,Z metres added to every world position");
-  app.add_option("--units", bench.load.metres_per_unit, "metres per unit of the file");
-  app.add_option("--up", bench.load.up, "x, y or z");
-  app.add_option("--threads", bench.threads, "that make tiles; 0: one per processor")->capture_default_str();
+  load.add_to(app);
+  app.add_option("--threads", bench.threads, "that make tiles; 0: one per processor")->check(whole_number_between(0, 1024))->capture_default_str();
   app.add_option("--client-samples", bench.client_samples, "samples per pixel of the client")->check(CLI::IsMember({1, 4}))->capture_default_str();
-  app.add_option("--tau", bench.settings.tau_px, "guaranteed warp error of coded disparity, pixels")->capture_default_str();
-  app.add_option("--face-tiles", bench.settings.face_tiles, "tiles along a face's edge: the sample rate; 0: what the display needs")->check(CLI::Range(0, 64));
-  app.add_option("--quality", bench.settings.jpeg_quality, "JPEG quality of tiles")->check(CLI::Range(1, 100))->capture_default_str();
-  app.add_option("--delta-views", bench.settings.delta_views, "at most, per cell")->check(CLI::Range(0, 32))->capture_default_str();
+  add_quality_options(app, bench.settings);
   app.add_flag("!--no-realtime", bench.is_realtime_wanted, "lockstep only");
   app.add_option("--json", bench.json, "write the report here; - for standard output");
   app.add_option("--plot", bench.plot, "write frame time against error here, SVG");
@@ -65,14 +64,9 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   app.add_option("--renderer", client.renderer)->group("");
   app.add_option("--mode", client.mode)->group("");
   app.add_option("--folder", client.folder)->group("");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return tl::unexpected(code == 0 ? 0 : 2);
-  }
+  if (const std::optional<int> over = parse_command_line(app, argc, argv, std::cout, std::cerr)) return tl::unexpected(*over);
   const auto usage = [](const std::string& line) {
-    std::cerr << "farfield-bench: " << line << '\n';
+    complain(std::cerr, "farfield-bench", line);
     return tl::unexpected(2);
   };
   if (const std::string wrong = parse_size(size, bench.display); !wrong.empty()) return usage(wrong);
@@ -84,15 +78,16 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
     return command;
   }
   if (bench.scene.empty() || bench.trace.empty()) return usage("--scene and --trace are needed (see --help)");
+  if (!role.empty()) return usage("--role: there is no '" + role + "'");
   bench.methods = split(methods);
+  if (bench.methods.empty()) return usage("--methods: name at least one (see --help)");
   for (const std::string& method : bench.methods)
     if (std::find(kMethods.begin(), kMethods.end(), method) == kMethods.end())
       return usage("--methods: there is no '" + method + "' (see --help)");
   const Result<LinkModel> link = parse_link_model(bench.link);
   if (!link) return usage("--link: " + link.error().message);
   bench.link_model = *link;
-  if (!shift.empty() && std::sscanf(shift.c_str(), "%lf,%lf,%lf", &bench.load.shift.x, &bench.load.shift.y, &bench.load.shift.z) != 3)
-    return usage("--shift '" + shift + "': write X,Y,Z in metres");
+  bench.load = load.options();
   bench.prints_json = bench.json == "-";
   return command;
 }

@@ -2,9 +2,9 @@
 #include "tests/bench/bench_program.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 
+#include "common/base/complete_file.h"
 #include "tests/bench/farfield_method.h"
 #include "tests/bench/reference_methods.h"
 #include "tests/bench/report.h"
@@ -46,6 +46,11 @@ Result<std::vector<MethodResult>> run_methods(const World& world) {
 }  // namespace
 
 Status run_bench(const BenchOptions& options) {
+  // Said before the measurements, not after them.
+  for (const std::filesystem::path& file : {options.prints_json ? std::filesystem::path() : options.json, options.plot, options.contact_sheet}) {
+    if (file.empty()) continue;
+    if (Status status = check_file_can_be_written(file); !status) return status;
+  }
   const Result<World> world = make_world(options);
   if (!world) return tl::unexpected(world.error());
   const Result<std::vector<MethodResult>> methods = run_methods(*world);
@@ -56,12 +61,10 @@ Status run_bench(const BenchOptions& options) {
   } else {
     print_table(*methods, std::cout);
     if (!options.json.empty()) {
-      std::ofstream out(options.json);
-      out << json.dump(2) << '\n';
-      out.close();
-      if (!out) return fail(ErrorCode::kIo, "{}: the report cannot be written", options.json.string());
+      if (Status status = write_complete_file(options.json, json.dump(2) + '\n'); !status) return status;
     }
   }
+  if (!std::cout.flush()) return fail(ErrorCode::kIo, "the report cannot be written to the output");
   if (!options.plot.empty())
     if (Status status = write_plot(options.plot, *methods); !status) return status;
   if (!options.contact_sheet.empty())

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/client_role.h"
 
+#include <sys/prctl.h>
+
+#include <csignal>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -8,6 +11,7 @@
 
 #include "client/frame/frame_renderer.h"
 #include "client/session/client_core.h"
+#include "common/base/one_line.h"
 #include "common/trace/trace_file.h"
 #include "tests/bench/frame_dump.h"
 
@@ -146,8 +150,9 @@ nlohmann::json to_json(const Walk& walk, const client::ClientStatistics& s) {
 }  // namespace
 
 int run_client_role(const ClientRole& role) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // it never outlives the measurement
   const auto complain = [](const Error& error) {
-    std::cerr << "farfield-bench: client: " << error.message << '\n';
+    farfield::complain(std::cerr, "farfield-bench", "client: " + error.message);
     return 1;
   };
   const Result<Trace> trace = read_trace(role.trace);

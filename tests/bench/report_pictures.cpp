@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The report's pictures: run time against error, and frames above truth.
+#include "common/base/complete_file.h"
 #include "common/image/contact_sheet.h"
 #include "common/image/png.h"
 #include "common/image/svg_plot.h"
 #include "tests/bench/report.h"
-
-#include <fstream>
 
 namespace farfield::bench {
 namespace {
@@ -31,11 +30,7 @@ Status write_plot(const std::filesystem::path& file, const std::vector<MethodRes
   options.title = "Run time against error";
   options.x_label = "frame time, ms (median)", options.y_label = "mean FLIP against truth";
   options.log_x = true;
-  std::ofstream out(file);
-  out << render_svg_plot(series, options);
-  out.close();
-  if (!out) return fail(ErrorCode::kIo, "{}: the plot cannot be written", file.string());
-  return {};
+  return write_complete_file(file, render_svg_plot(series, options));
 }
 
 Status write_contact_sheet(const std::filesystem::path& file, const World& world, const std::vector<MethodResult>& methods) {

@@ -3,6 +3,7 @@
 
 #include <iostream>
 
+#include "common/base/one_line.h"
 #include "common/trace/trace_file.h"
 
 namespace farfield::bench {
@@ -14,12 +15,12 @@ Result<World> make_world(const BenchOptions& options) {
   if (!trace) return tl::unexpected(trace.error());
   if (trace->frames.empty()) return fail(ErrorCode::kInvalidArgument, "{}: the trace holds no pose", options.trace.string());
   world.trace = std::move(*trace);
-  std::cerr << "loading " << options.scene << '\n';
   Result<Model> model = load_model(options.scene, options.load);
   if (!model) return tl::unexpected(model.error());
-  for (const std::string& warning : model->warnings) std::cerr << "warning: " << warning << '\n';
+  for (const std::string& warning : model->warnings) std::cerr << "warning: " << one_line(warning) << '\n';
   Result<std::shared_ptr<const Scene>> scene = Scene::build(std::move(*model));
   if (!scene) return fail_within(options.scene, scene.error());
+  std::cerr << "loaded " << one_line(options.scene) << '\n';
   world.scene = *scene;
   const Result<Trace> sampled = resampled(world.trace, std::min(options.frames, world.trace.frames.size()));
   if (!sampled) return tl::unexpected(sampled.error());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/app/byte_size.h"
+#include "common/base/byte_size.h"
 
 #include <algorithm>
 #include <cctype>
