@@ -41,6 +41,10 @@ Status check_ply(const std::filesystem::path& path, std::string_view text, doubl
     const std::string_view key = next_word(line);
     if (key == "format") is_ascii = next_word(line) == "ascii";
     if (key == "element" || key == "end_header") {
+      if (count > size && per_element == 0) {
+        return fail(ErrorCode::kBadData, "{}: the header claims {:.0f} elements without a property; copy the file again",
+                    path.string(), count);
+      }
       needed += count * per_element;
       largest_count = std::max(largest_count, count);
       count = per_element = 0;

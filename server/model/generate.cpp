@@ -39,6 +39,10 @@ void fill_with_boxes(ModelBuilder& builder, const Paint& paint, const glm::vec3&
 }
 
 Result<Model> generate_model(std::string_view kind, std::size_t triangles, std::uint64_t seed) {
+  if (kind != "pipes" && kind != "city" && kind != "statues" && kind != "house") {
+    return fail(ErrorCode::kInvalidArgument, "unknown kind of generated scene \"{}\": use pipes, city, statues or house",
+                kind);
+  }
   if (triangles < kLeastTriangles || triangles > kMostTriangles) {
     return fail(ErrorCode::kInvalidArgument, "generated scene of {} triangles: ask for {} to {}", triangles,
                 kLeastTriangles, kMostTriangles);
@@ -46,9 +50,7 @@ Result<Model> generate_model(std::string_view kind, std::size_t triangles, std::
   if (kind == "pipes") return generate_pipes(triangles, seed);
   if (kind == "city") return generate_city(triangles, seed);
   if (kind == "statues") return generate_statues(triangles, seed);
-  if (kind == "house") return generate_house(triangles, seed);
-  return fail(ErrorCode::kInvalidArgument, "unknown kind of generated scene \"{}\": use pipes, city, statues or house",
-              kind);
+  return generate_house(triangles, seed);
 }
 
 }  // namespace farfield

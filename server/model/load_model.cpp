@@ -39,6 +39,13 @@ std::optional<GeneratedScene> parse_generated(std::string_view argument) {
   return GeneratedScene{std::string(argument.substr(0, first)), static_cast<std::size_t>(*triangles), *seed};
 }
 
+/// Meant as a generated scene, if perhaps badly written: letters, a colon, no folder and no file name extension.
+bool looks_generated(std::string_view argument) {
+  const std::size_t colon = argument.find(':');
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+  return colon != argument.npos && argument.find_first_not_of(kLetters) == colon && argument.find('/') == argument.npos;
+}
+
 struct RawModel {
   Model model;
   const char* up = "y";
@@ -51,6 +58,12 @@ Result<RawModel> read_raw(const std::string& argument, const LoadOptions& option
     Result<Model> model = generate_model(generated->kind, generated->triangles, generated->seed);
     if (!model) return tl::unexpected(model.error());
     return RawModel{std::move(*model), "y"};
+  }
+  if (looks_generated(argument) && !std::filesystem::exists(argument, ignored)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: neither a file nor a scene to generate, which is written KIND:TRIANGLES:SEED with whole numbers, as "
+                "in pipes:1000000:1",
+                argument);
   }
   const Result<ModelFormat> format = find_model_format(argument);
   if (!format) return tl::unexpected(format.error());

@@ -37,6 +37,12 @@ void set_opacity(Material& material, double opacity) {
 }  // namespace
 
 void read_mtl(std::string_view text, Model& model, TextureCache& textures, std::map<std::string, int>& index_by_name) {
+  struct OpacityMap {
+    std::string name;
+    bool is_inverted = false;
+  };
+  std::map<std::ptrdiff_t, std::string> colour_maps;  // by material
+  std::map<std::ptrdiff_t, OpacityMap> opacity_maps;
   Material ignored;  // what stands before the first newmtl, or repeats a name
   Material* material = &ignored;
   std::string_view line;
@@ -62,8 +68,18 @@ void read_mtl(std::string_view text, Model& model, TextureCache& textures, std::
     } else if (key == "Tr") {
       if (const auto value = parse_number<double>(next_word(line))) set_opacity(*material, 1 - *value);
     } else if (key == "map_Kd") {
-      if (material != &ignored) material->texture = textures.index_of(map_name(line));
+      if (material != &ignored) colour_maps[material - model.materials.data()] = map_name(line);
+    } else if (key == "map_d" || key == "map_Tr") {
+      if (material == &ignored) continue;
+      opacity_maps[material - model.materials.data()] = {map_name(line), key == "map_Tr"};
     }
+  }
+  for (const auto& [index, name] : colour_maps) {
+    model.materials[static_cast<std::size_t>(index)].texture = textures.index_of(name);
+  }
+  for (const auto& [index, map] : opacity_maps) {
+    int& texture = model.materials[static_cast<std::size_t>(index)].texture;
+    texture = textures.masked(texture, map.name, map.is_inverted);
   }
   // Many exporters write a black Kd beside a map; taken literally every such texture would be black.
   for (auto& [name, index] : index_by_name) {

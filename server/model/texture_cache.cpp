@@ -24,6 +24,39 @@ std::string without_percent_codes(const std::string& name) {
   return result;
 }
 
+/// Opacity of every texel of `mask`, as bytes.
+std::vector<std::uint8_t> opacity_of(const TextureImage& mask, bool is_inverted) {
+  std::vector<std::uint8_t> opacity(mask.rgba.size() / 4);
+  bool has_alpha = false;
+  for (std::size_t i = 0; i < opacity.size(); ++i) has_alpha = has_alpha || mask.rgba[4 * i + 3] != 255;
+  for (std::size_t i = 0; i < opacity.size(); ++i) {
+    const std::uint8_t* texel = mask.rgba.data() + 4 * i;
+    const int value = has_alpha ? texel[3] : (texel[0] + texel[1] + texel[2] + 1) / 3;
+    opacity[i] = static_cast<std::uint8_t>(is_inverted ? 255 - value : value);
+  }
+  return opacity;
+}
+
+/// `colour` with `opacity` of mask's size multiplied in, at the finer size of the two; nearest texels.
+TextureImage combined(const TextureImage& colour, const TextureImage& mask, const std::vector<std::uint8_t>& opacity) {
+  TextureImage image;
+  image.width = std::max(colour.width, mask.width);
+  image.height = std::max(colour.height, mask.height);
+  image.rgba.resize(std::size_t{4} * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  std::uint8_t* target = image.rgba.data();
+  const auto place = [&](const TextureImage& from, int x, int y) {
+    const std::int64_t column = std::int64_t{x} * from.width / image.width, row = std::int64_t{y} * from.height / image.height;
+    return static_cast<std::size_t>(row * from.width + column);
+  };
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x, target += 4) {
+      std::copy_n(colour.rgba.data() + 4 * place(colour, x, y), 4, target);
+      target[3] = static_cast<std::uint8_t>((target[3] * opacity[place(mask, x, y)] + 127) / 255);
+    }
+  }
+  return image;
+}
+
 }  // namespace
 
 std::filesystem::path TextureCache::find(const std::string& name) const {
@@ -66,6 +99,26 @@ int TextureCache::index_of(const std::string& name) {
   Result<TextureImage> image = read_texture_file(path);
   const int index = image ? add(name, std::move(*image)) : reject(name, image.error().message);
   return index_by_path_[path.string()] = index;
+}
+
+int TextureCache::masked(int texture, const std::string& mask_name, bool is_inverted) {
+  const std::string key = fmt::format("{}{}\n{}", is_inverted ? "without " : "through ", mask_name, texture);
+  if (const int index = known(key); index != -2) return index;
+  const auto opaque = [&](const std::string& reason) {
+    model_.warnings.push_back(fmt::format("opacity map {}: {}; drawn opaque", mask_name, reason));
+    return index_by_name_[key] = texture;
+  };
+  const std::filesystem::path path = find(mask_name);
+  if (path.empty()) return opaque("not found beside the model");
+  const auto own = index_by_path_.find(path.string());
+  if (texture >= 0 && own != index_by_path_.end() && own->second == texture && !is_inverted) return index_by_name_[key] = texture;
+  const Result<TextureImage> mask = read_texture_file(path);
+  if (!mask) return opaque(mask.error().message);
+  const TextureImage white{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}, .name = {}};
+  const TextureImage& colour = texture < 0 ? white : model_.textures[static_cast<std::size_t>(texture)];
+  TextureImage image = combined(colour, *mask, opacity_of(*mask, is_inverted));
+  image.name = fmt::format("{} through {}", texture < 0 ? "white" : colour.name, mask->name);
+  return add(key, std::move(image));
 }
 
 }  // namespace farfield

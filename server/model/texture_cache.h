@@ -20,6 +20,11 @@ class TextureCache {
   /// same name beside the model is taken.
   int index_of(const std::string& name);
 
+  /// The texture (-1: plain white) with the opacity of an image of its own, as MTL's map_d has it: the image's alpha if
+  /// it has any, else its brightness. Returns: `texture` itself, with a warning, if there is no such image, and where
+  /// the image is the texture's own file, whose alpha it has already.
+  int masked(int texture, const std::string& mask_name, bool is_inverted);
+
   /// Stores an image that did not come from a file, under a name of its own.
   int add(const std::string& name, TextureImage image);
   /// Remembers that `name` cannot be used. Returns: -1.

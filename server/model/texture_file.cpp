@@ -6,6 +6,7 @@
 #include "server/model/file_bytes.h"
 #include "server/model/jpeg_texture.h"
 #include "server/model/png_texture.h"
+#include "server/model/tga_texture.h"
 
 namespace farfield {
 
@@ -18,7 +19,8 @@ Result<TextureImage> decode_texture(ByteView bytes) {
   if (bytes.size() >= sizeof(kJpeg) && std::equal(std::begin(kJpeg), std::end(kJpeg), bytes.begin())) {
     return decode_jpeg(bytes);
   }
-  return fail(ErrorCode::kBadData, "neither PNG nor JPEG; convert the image");
+  if (looks_like_tga(bytes)) return decode_tga(bytes);  // last: TGA files have no mark of their own
+  return fail(ErrorCode::kBadData, "neither PNG nor JPEG nor TGA; convert the image");
 }
 
 Result<TextureImage> read_texture_file(const std::filesystem::path& path) {

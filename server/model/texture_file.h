@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG and JPEG files to textures, and textures to PNG. The kind is told by the bytes, never by a file's name.
+// PNG, JPEG and TGA files to textures, and textures to PNG. The kind is told by the bytes, never by a file's name.
 //
 // Thread-safe. Bytes may be anything: dimensions are checked before memory is taken, and images with an edge beyond
 // kMaxTextureFileEdge are averaged down by a power of two, in linear light, while they are read.
@@ -15,7 +15,7 @@ namespace farfield {
 
 inline constexpr int kMaxTextureFileEdge = 8192;
 
-/// Errors: kBadData (neither PNG nor JPEG, or damaged), kLimitExceeded (an edge beyond 8 × kMaxTextureFileEdge, or an
+/// Errors: kBadData (neither PNG nor JPEG nor TGA, or damaged), kLimitExceeded (an edge beyond 8 × kMaxTextureFileEdge, or an
 /// interlaced PNG that would need averaging down).
 Result<TextureImage> decode_texture(ByteView file_bytes);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG and JPEG textures from anywhere.
+// PNG, JPEG and TGA textures from anywhere.
 #include "server/model/texture_file.h"
 #include "tests/fuzz/require.h"
 

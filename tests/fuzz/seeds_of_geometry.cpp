@@ -61,6 +61,9 @@ void add_geometry_seeds(Seeds& seeds) {
   Bytes jpeg = encode_texture_jpeg(texels(16, 9, true), 16, 9, 60);
   require(!jpeg.empty(), "an image can be written");
   seeds.push_back({"texture_file", "opaque.jpg", std::move(jpeg)});
+  seeds.push_back({"texture_file", "run_length.tga", {0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 2, 0, 32, 8, 0x81, 1, 2, 3, 255,
+                                                      1, 4, 5, 6, 0, 7, 8, 9, 128, 0x83, 10, 11, 12, 255}});
+  seeds.push_back({"texture_file", "mapped.tga", {0, 1, 1, 0, 0, 2, 0, 24, 0, 0, 0, 0, 2, 0, 2, 0, 8, 0x20, 0, 0, 0, 1, 2, 3, 0, 1, 1, 0}});
 }
 
 }  // namespace farfield::fuzz

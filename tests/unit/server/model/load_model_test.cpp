@@ -171,7 +171,7 @@ TEST_F(LoadModelTest, GeneratedScenesGoThroughTheSameDoor) {
   EXPECT_NEAR(static_cast<double>(model->drawn_triangles()), 2000, 40);
   EXPECT_GE(model->bounds().min.x, 900);
   EXPECT_FALSE(load_model("teapots:2000:1"));
-  EXPECT_EQ(load_model("pipes:many:1").error().code, ErrorCode::kNotFound) << "read as a file name";
+  EXPECT_EQ(load_model("pipes:many:1").error().code, ErrorCode::kInvalidArgument) << "badly written";
 }
 
 TEST_F(LoadModelTest, PathsThatAreNoModels) {
@@ -227,6 +227,23 @@ TEST_F(LoadModelTest, TooLittleMemoryIsOneLine) {
   const auto model = load("t.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", {.memory_limit_bytes = 1 << 20});
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().message.find('\n'), std::string::npos);
+}
+
+TEST_F(LoadModelTest, ElementsWithoutPropertiesAreNotCountedOneByOne) {
+  const std::string message =
+      failure("many.ply", "ply\nformat ascii 1.0\nelement vertex 1000000000\nelement face 1000000000\nend_header\n");
+  EXPECT_THAT(message, HasSubstr("1000000000 elements"));
+}
+
+TEST_F(LoadModelTest, BadlyWrittenGeneratedScenesAreNotCalledMissingFiles) {
+  for (const char* text : {"pipes:-5:1", "pipes:1e99:1", "pipes:1000", "pipes:1000:", "pipes:1000:-1", "pipes:99999999999999999999:1"}) {
+    const Result<Model> model = load_model(text);
+    ASSERT_FALSE(model) << text;
+    EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument) << text;
+    EXPECT_THAT(model.error().message, HasSubstr("KIND:TRIANGLES:SEED"));
+  }
+  EXPECT_THAT(load_model("castle:0:1").error().message, HasSubstr("castle"));
+  EXPECT_EQ(load_model("no:such/file.obj").error().code, ErrorCode::kNotFound);
 }
 
 }  // namespace

@@ -95,6 +95,35 @@ TEST_F(ObjReaderTest, ReadsMaterialsAndTheirTextures) {
   EXPECT_THAT(model.warnings, Contains(HasSubstr("material 'none'")));
 }
 
+TEST_F(ObjReaderTest, OpacityMapsBecomeTheAlphaOfTheTexture) {
+  const auto write_png = [&](const char* name, const TextureImage& image) {
+    const Bytes png = encode_png(image).value();
+    folder_.write(name, {reinterpret_cast<const char*>(png.data()), png.size()});
+  };
+  write_png("leaf.png", {.width = 1, .height = 1, .rgba = {0, 200, 0, 255}});
+  write_png("mask.png", {.width = 2, .height = 1, .rgba = {255, 255, 255, 255, 0, 0, 0, 255}});
+  write_png("holes.png", {.width = 2, .height = 1, .rgba = {9, 9, 9, 255, 9, 9, 9, 0}});
+  folder_.write("some.mtl",
+                "newmtl masked\nmap_Kd leaf.png\nmap_d -imfchan m mask.png\nnewmtl alone\nKd 1 0 0\nmap_d mask.png\n"
+                "newmtl own\nmap_d holes.png\nmap_Kd holes.png\nnewmtl inverted\nmap_Kd leaf.png\nmap_Tr mask.png\n"
+                "newmtl lost\nmap_Kd leaf.png\nmap_d nowhere.png\n");
+  const Model model = read(
+      "mtllib some.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl masked\nf 1 2 3\nusemtl alone\nf 1 2 3\nusemtl own\nf 1 2 "
+      "3\nusemtl inverted\nf 1 2 3\nusemtl lost\nf 1 2 3\n");
+  ASSERT_EQ(model.meshes.size(), 5u);
+  const auto material = [&](std::size_t mesh) { return model.materials[static_cast<std::size_t>(model.meshes[mesh].material)]; };
+  const auto texels = [&](std::size_t mesh) { return model.textures.at(static_cast<std::size_t>(material(mesh).texture)).rgba; };
+  using Texels = std::vector<std::uint8_t>;
+  EXPECT_EQ(texels(0), (Texels{0, 200, 0, 255, 0, 200, 0, 0}));
+  EXPECT_TRUE(material(0).is_alpha_masked);
+  EXPECT_EQ(texels(1), (Texels{255, 255, 255, 255, 255, 255, 255, 0})) << "the colour stays Kd's";
+  EXPECT_EQ(material(1).base_colour, glm::u8vec4(255, 0, 0, 255));
+  EXPECT_EQ(texels(2), (Texels{9, 9, 9, 255, 9, 9, 9, 0})) << "its own alpha, once";
+  EXPECT_EQ(texels(3), (Texels{0, 200, 0, 0, 0, 200, 0, 255}));
+  EXPECT_EQ(texels(4), (Texels{0, 200, 0, 255}));
+  EXPECT_THAT(model.warnings, Contains(HasSubstr("opacity map nowhere.png")));
+}
+
 TEST_F(ObjReaderTest, ToleratesWhatIsBroken) {
   const Model model = read(
       "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 x\nv 0 1\nf 1 2 9\nf 1 0 2\nf 1 2\nl 1 2\np 1\nf 1 2 \\\n 4\nf a b "

@@ -126,5 +126,50 @@ TEST(TextureFile, SaysWhatItCannotRead) {
   EXPECT_FALSE(encode_png(TextureImage{}));
 }
 
+Bytes tga(int type, int width, int height, int bits, int descriptor, std::initializer_list<int> data, std::initializer_list<int> map = {}) {
+  Bytes bytes(18);
+  bytes[1] = map.size() > 0;
+  bytes[2] = static_cast<std::uint8_t>(type);
+  bytes[5] = static_cast<std::uint8_t>(map.size() / 3);
+  bytes[7] = map.size() > 0 ? 24 : 0;
+  bytes[12] = static_cast<std::uint8_t>(width), bytes[13] = static_cast<std::uint8_t>(width >> 8);
+  bytes[14] = static_cast<std::uint8_t>(height), bytes[15] = static_cast<std::uint8_t>(height >> 8);
+  bytes[16] = static_cast<std::uint8_t>(bits);
+  bytes[17] = static_cast<std::uint8_t>(descriptor);
+  for (const int byte : map) bytes.push_back(static_cast<std::uint8_t>(byte));
+  for (const int byte : data) bytes.push_back(static_cast<std::uint8_t>(byte));
+  return bytes;
+}
+
+TEST(TextureFile, TgaIsReadInAllItsForms) {
+  using Texels = std::vector<std::uint8_t>;
+  const auto texels = [](const Bytes& bytes) {
+    const Result<TextureImage> image = decode_texture(bytes);
+    return image ? image->rgba : Texels{};
+  };
+  const Texels red_over_blue{255, 0, 0, 255, 0, 0, 255, 255};
+  EXPECT_EQ(texels(tga(2, 1, 2, 24, 0x20, {0, 0, 255, 255, 0, 0})), red_over_blue) << "top row first";
+  EXPECT_EQ(texels(tga(2, 1, 2, 24, 0, {255, 0, 0, 0, 0, 255})), red_over_blue) << "bottom row first";
+  EXPECT_EQ(texels(tga(2, 2, 1, 24, 0x30, {255, 0, 0, 0, 0, 255})), red_over_blue) << "right to left";
+  EXPECT_EQ(texels(tga(10, 3, 1, 24, 0, {0x81, 1, 2, 3, 0x00, 4, 5, 6})), (Texels{3, 2, 1, 255, 3, 2, 1, 255, 6, 5, 4, 255}));
+  EXPECT_EQ(texels(tga(2, 2, 1, 32, 8, {1, 2, 3, 0, 1, 2, 3, 128})), (Texels{3, 2, 1, 0, 3, 2, 1, 128}));
+  EXPECT_EQ(texels(tga(2, 1, 1, 32, 8, {1, 2, 3, 0})), (Texels{3, 2, 1, 255})) << "an unused alpha channel";
+  EXPECT_EQ(texels(tga(2, 1, 1, 16, 0, {0x00, 0x7c})), (Texels{255, 0, 0, 255}));
+  EXPECT_EQ(texels(tga(3, 2, 1, 8, 0, {7, 9})), (Texels{7, 7, 7, 255, 9, 9, 9, 255}));
+  EXPECT_EQ(texels(tga(1, 2, 1, 8, 0, {1, 9}, {0, 0, 0, 3, 2, 1})), (Texels{1, 2, 3, 255, 0, 0, 0, 255})) << "9 is beyond the map";
+}
+
+TEST(TextureFile, ATgaThatEndsEarlyIsRefusedBeforeMemoryIsTaken) {
+  for (const int type : {2, 10}) {
+    for (const auto& [width, height] : {std::pair(2, 2), std::pair(65535, 65535)}) {
+      const Result<TextureImage> image = decode_texture(tga(type, width, height, 24, 0, {0x83, 1, 2}));
+      ASSERT_FALSE(image);
+      EXPECT_EQ(image.error().code, ErrorCode::kBadData);
+      EXPECT_THAT(image.error().message, testing::HasSubstr("TGA"));
+    }
+  }
+  EXPECT_FALSE(decode_texture(tga(10, 4, 1, 24, 0, {0x81, 1, 2, 3, 0x01, 4, 5, 6}))) << "the last packet lacks a texel";
+}
+
 }  // namespace
 }  // namespace farfield
