@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cells/cell_tree.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace farfield {
 namespace {
 
@@ -15,16 +18,28 @@ CellTree::CellTree(std::shared_ptr<const Scene> scene, const NestedShells& shell
   scene_root_ = shells_.grid.enclosing(scene_->bounds());
 }
 
+glm::dvec3 CellTree::on_grid(const glm::dvec3& viewpoint) const {
+  const Box grid = shells_.grid.box(scene_root_.ancestor(kMaxCellLevel));
+  glm::dvec3 held;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double last = std::nextafter(grid.max[axis], grid.min[axis]);  // cells are half open
+    held[axis] = std::isnan(viewpoint[axis]) ? 0.0 : std::clamp(viewpoint[axis], grid.min[axis], last);
+  }
+  return held;
+}
+
 CellId CellTree::root_for(const glm::dvec3& viewpoint) const {
+  const glm::dvec3 held = on_grid(viewpoint);
   CellId root = scene_root_;
-  while (root.level < kMaxCellLevel && !shells_.grid.box(root).contains(viewpoint)) root = root.parent();
+  while (root.level < kMaxCellLevel && !shells_.grid.box(root).contains(held)) root = root.parent();
   return root;
 }
 
 Result<CellId> CellTree::leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) {
-  const CellId root = root_for(viewpoint);
+  const glm::dvec3 held = on_grid(viewpoint);
+  const CellId root = root_for(held);
   for (int level = root.level;; --level) {
-    const CellId cell = shells_.grid.cell_at(viewpoint, level);
+    const CellId cell = shells_.grid.cell_at(held, level);
     const Result<Kind> kind = classify(cell, cancel);
     if (!kind) return tl::unexpected(kind.error());
     if (*kind == Kind::kLeaf) return cell;

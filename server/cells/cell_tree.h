@@ -19,10 +19,15 @@ class CellTree {
   CellTree(std::shared_ptr<const Scene> scene, const NestedShells& shells, std::uint32_t near_triangles);
 
   /// The smallest ancestor-closed cell that holds the scene; grown by doubling until it holds `viewpoint` as well.
+  /// Roots end at kMaxCellLevel, which is to say some 9e7 finest sides from the origin. Viewpoints beyond are taken for
+  /// the nearest place within (on_grid()), so every root and every leaf is that of a place the tree can name.
   CellId root_for(const glm::dvec3& viewpoint) const;
   CellId scene_root() const { return scene_root_; }
 
-  /// The leaf that holds a viewpoint. Casts rays only where no earlier call has decided. Errors: kCancelled.
+  /// `viewpoint`, or the nearest place of the largest root if it lies beyond; 0 for a coordinate that is no number.
+  glm::dvec3 on_grid(const glm::dvec3& viewpoint) const;
+
+  /// The leaf that holds on_grid(viewpoint). Casts rays only where no earlier call has decided. Errors: kCancelled.
   Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel);
 
   /// Whether a cell is a leaf of the tree. Requires: it holds a leaf or is one. Errors: kCancelled.

@@ -80,7 +80,7 @@ struct SceneDescription {
 
 /// A chunk as a leaf set lists it.
 struct PlacedSceneChunk {
-  ContentHash hash = 0;            // of its encoded bytes
+  ContentHash hash = 0;            // of its content as the scene holds it (SceneChunk::hash), not of its encoded bytes
   int texture = -1;                // index for texture(), -1 for none
   Box bounds;
   glm::dmat4x3 scene_from_chunk{1};

@@ -75,6 +75,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Clock::time_point last_ping_{};
   std::uint64_t pings_ = 0;
   bool is_pose_timer_armed_ = false;
+  bool has_reported_ = false;
 
   // From Hello on.
   std::shared_ptr<CellService> service_;

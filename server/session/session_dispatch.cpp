@@ -61,6 +61,7 @@ Status Session::dispatch(const IncomingFrame& frame) {
       connection_->close({ErrorCode::kCancelled, "the client said goodbye"});
       return {};
     case MessageType::kFailure: {
+      if (std::exchange(has_reported_, true)) return {};  // one line a session: a peer must not fill the log
       const Result<wire::Failure> failure = parse_message<wire::Failure>(frame);
       log("reports: " + (failure ? printable(failure->message()) : "an unreadable failure"));
       return {};

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <thread>
 
 #include "tests/unit/server/impostor/block_scenes.h"
@@ -91,6 +92,23 @@ TEST_F(CellTreeTest, AViewerOutsideMakesTheRootGrow) {
     EXPECT_TRUE(shells().grid.box(*leaf).contains(viewpoint));
   }
   EXPECT_EQ(cells->root_for(placed().at({0, 5, 0})), cells->scene_root());
+}
+
+TEST_F(CellTreeTest, ViewersBeyondTheLargestRootAreTakenForItsNearestPlace) {
+  const auto cells = tree();
+  const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  for (const glm::dvec3& viewpoint : {glm::dvec3(1e9, 2, 0), glm::dvec3(-1e12, -1e12, 1e12), glm::dvec3(inf, -inf, 0), glm::dvec3(nan, 1, nan)}) {
+    const glm::dvec3 held = cells->on_grid(viewpoint);
+    const CellId root = cells->root_for(viewpoint);
+    EXPECT_TRUE(shells().grid.box(root).contains(held));
+    EXPECT_TRUE(cells->scene_root().is_within(root));
+    const auto leaf = cells->leaf_at(viewpoint, nullptr);
+    ASSERT_TRUE(leaf);
+    EXPECT_TRUE(leaf->is_within(root));
+    EXPECT_TRUE(shells().grid.box(*leaf).contains(held));
+  }
+  const glm::dvec3 inside(4e7, -4e7, 3);
+  EXPECT_EQ(cells->on_grid(inside), inside);
 }
 
 TEST_F(CellTreeTest, CancelledQuestionsFailAndLeaveNoTrace) {
