@@ -2,10 +2,10 @@
 #include "server/model/file_claims.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "server/model/file_bytes.h"
 #include "server/model/gltf_claims.h"
+#include "server/model/ply_claims.h"
 #include "server/model/text_lines.h"
 
 namespace farfield {
@@ -19,49 +19,6 @@ tl::unexpected<Error> too_much(const std::filesystem::path& path, double claimed
               "{}: the header claims {:.0f} {}, which need at least {:.0f} bytes, but the file has {:.0f}; it is "
               "truncated or damaged: copy it again",
               path.string(), claimed, what, at_least, size);
-}
-
-double ply_type_bytes(std::string_view type) {
-  static constexpr std::pair<std::string_view, int> kTypes[] = {
-      {"char", 1},  {"uchar", 1},   {"int8", 1},   {"uint8", 1},  {"short", 2}, {"ushort", 2},
-      {"int16", 2}, {"uint16", 2},  {"int", 4},    {"uint", 4},   {"int32", 4}, {"uint32", 4},
-      {"float", 4}, {"float32", 4}, {"double", 8}, {"float64", 8}};
-  for (const auto& [name, bytes] : kTypes) {
-    if (name == type) return bytes;
-  }
-  return 1;
-}
-
-Status check_ply(const std::filesystem::path& path, std::string_view text, double size) {
-  bool is_ascii = false;
-  double count = 0, needed = 0, largest_count = 0;
-  double per_element = 0;
-  std::string_view line;
-  while (next_line(text, line)) {
-    const std::string_view key = next_word(line);
-    if (key == "format") is_ascii = next_word(line) == "ascii";
-    if (key == "element" || key == "end_header") {
-      if (count > size && per_element == 0) {
-        return fail(ErrorCode::kBadData, "{}: the header claims {:.0f} elements without a property; copy the file again",
-                    path.string(), count);
-      }
-      needed += count * per_element;
-      largest_count = std::max(largest_count, count);
-      count = per_element = 0;
-      if (key == "end_header") break;
-      next_word(line);
-      count = parse_number<double>(next_word(line)).value_or(0);
-      if (!(count >= 0))
-        return fail(ErrorCode::kBadData, "{}: the header gives a negative count; copy the file again", path.string());
-    }
-    if (key == "property") {
-      const std::string_view type = next_word(line);
-      // As text every value takes a digit and a separator; a list needs at least its count.
-      per_element += is_ascii ? 2 : ply_type_bytes(type == "list" ? next_word(line) : type);
-    }
-  }
-  if (needed > size + 1) return too_much(path, largest_count, "elements", needed, size);
-  return {};
 }
 
 Status check_stl(const std::filesystem::path& path, ByteView bytes, double size) {
@@ -110,7 +67,7 @@ Result<FileClaims> check_file_claims(const std::filesystem::path& path, ModelFor
   if (error) return fail(ErrorCode::kIo, "{}: {}", path.string(), error.message());
   const std::string_view text(reinterpret_cast<const char*>(start->data()), start->size());
   Status status;
-  if (format == ModelFormat::kPly) status = check_ply(path, text, size);
+  if (format == ModelFormat::kPly) status = check_ply_claims(path, text, size);
   if (format == ModelFormat::kStl) status = check_stl(path, *start, size);
   if (format == ModelFormat::kOff) status = check_off(path, text, size);
   if (format == ModelFormat::kIfc && text.find("END-ISO-10303-21") == text.npos) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/world.h"
 
+#include <unistd.h>
+
 #include <iostream>
 
 #include "common/base/one_line.h"
@@ -20,7 +22,7 @@ Result<World> make_world(const BenchOptions& options) {
   for (const std::string& warning : model->warnings) std::cerr << "warning: " << one_line(warning) << '\n';
   Result<std::shared_ptr<const Scene>> scene = Scene::build(std::move(*model));
   if (!scene) return fail_within(options.scene, scene.error());
-  std::cerr << "loaded " << one_line(options.scene) << '\n';
+  if (isatty(STDERR_FILENO)) std::cerr << "loaded " << one_line(options.scene) << '\n';
   world.scene = *scene;
   const Result<Trace> sampled = resampled(world.trace, std::min(options.frames, world.trace.frames.size()));
   if (!sampled) return tl::unexpected(sampled.error());

@@ -235,6 +235,29 @@ TEST_F(LoadModelTest, ElementsWithoutPropertiesAreNotCountedOneByOne) {
   EXPECT_THAT(message, HasSubstr("1000000000 elements"));
 }
 
+TEST_F(LoadModelTest, ListsThatClaimMoreThanTheFileHolds) {
+  const std::string header = " 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
+                             "property uchar part\nproperty list uint int vertex_indices\nend_header\n";
+  const std::string vertices = "0 0 0\n1 0 0\n0 1 0\n";
+  EXPECT_THAT(failure("text.ply", "ply\nformat ascii" + header + vertices + "7 3 0 1 2\n7 1000000000 0 1 2\n"), HasSubstr("1000000000 values"));
+  const auto model = load("good.ply", "ply\nformat ascii" + header + vertices + "7 3 0 1 2\n7 3 2 1 0\n");
+  EXPECT_TRUE(model) << model.error().message;
+
+  const auto binary = [&](std::uint32_t second_length) {
+    std::string bytes = "ply\nformat binary_little_endian" + header;
+    const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+    for (const float v : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) put(v);
+    for (const std::uint32_t length : {3u, second_length}) {
+      put(std::uint8_t{7});
+      put(length);
+      for (const std::int32_t index : {0, 1, 2}) put(index);
+    }
+    return bytes;
+  };
+  EXPECT_THAT(failure("binary.ply", binary(1'000'000'000)), HasSubstr("1000000000 values"));
+  EXPECT_TRUE(load("fine.ply", binary(3)));
+}
+
 TEST_F(LoadModelTest, BadlyWrittenGeneratedScenesAreNotCalledMissingFiles) {
   for (const char* text : {"pipes:-5:1", "pipes:1e99:1", "pipes:1000", "pipes:1000:", "pipes:1000:-1", "pipes:99999999999999999999:1"}) {
     const Result<Model> model = load_model(text);
