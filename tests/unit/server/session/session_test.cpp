@@ -2,6 +2,9 @@
 // The streaming part of a session over real loopback: what is sent, in which order, and what is not sent again.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <mutex>
+
 #include "server/session/payload_order.h"
 #include "server/session/server.h"
 #include "tests/unit/server/session/fake_cell_service.h"
@@ -23,9 +26,10 @@ constexpr std::size_t kOwnTiles = 4;
 
 class SessionTest : public ::testing::Test {
  protected:
-  void serve(const FakeWorld& world = {}, ServerLimits limits = {}) {
+  void serve(const FakeWorld& world = {}, ServerLimits limits = {}, std::function<void(const std::string&)> log = {}) {
     service = std::make_shared<FakeCellService>(world);
     ServerOptions options;
+    options.log = std::move(log);
     options.listen = {"127.0.0.1", 0};
     options.threads = 2;
     options.limits = limits;
@@ -60,6 +64,24 @@ TEST_F(SessionTest, APoseBringsTheLeafSetThenItsPayloadsThenItsEnd) {
   EXPECT_EQ(client.complete[0], set.serial());
   for (const ContentHash key : set.tiles()) EXPECT_EQ(client.received[key], 1);
   EXPECT_EQ(client.empty_tiles.size(), 1u) << "a tile that turned out empty is told, not withheld";
+}
+
+TEST_F(SessionTest, AClientThatComplainsAgainAndAgainIsLoggedOnce) {
+  std::mutex mutex;
+  std::vector<std::string> lines;
+  serve({}, {}, [&](const std::string& line) {
+    const std::lock_guard lock(mutex);
+    lines.push_back(line);
+  });
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  wire::Failure failure;
+  failure.set_message("two\nlines");
+  for (int i = 0; i < 50; ++i) client.send(MessageType::kFailure, failure);
+  client.move_to(kHere);  // answered after all of them were read
+  ASSERT_TRUE(client.wait_complete(1));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(std::count_if(lines.begin(), lines.end(), [](const std::string& l) { return l.find("reports: two?lines") != std::string::npos; }), 1);
 }
 
 TEST_F(SessionTest, GeometryWithCoarseTexturesComesFirstAndFineLevelsLast) {
