@@ -32,7 +32,7 @@ struct ProgramOptions {
   bool is_lockstep = false;              // every frame waits for its complete leaf set
   double frames_per_second = 60;         // real time: no more than this; 0: as many as it can
   RendererChoice renderer = RendererChoice::kAuto;
-  int samples_per_pixel = 1;
+  int samples_per_pixel = 0;  // 0: the renderer's choice
   Display display;
   std::size_t memory_bytes = std::size_t{448} << 20;
   double timeout_s = 60;                 // for the welcome, and for a leaf set in lockstep

@@ -130,13 +130,15 @@ FrameRenderer::~FrameRenderer() = default;
 
 Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, const Display& display,
                                                              const FrameOptions& options, GlContext* context) {
-  if (options.samples_per_pixel != 1 && options.samples_per_pixel != 4) {
+  FrameOptions chosen = options;
+  if (chosen.samples_per_pixel == FrameOptions::kChosen) chosen.samples_per_pixel = renderer == Renderer::kGl ? 4 : 1;
+  if (chosen.samples_per_pixel != 1 && chosen.samples_per_pixel != 4) {
     return fail(ErrorCode::kInvalidArgument, "{} samples per pixel: 1 and 4 are possible", options.samples_per_pixel);
   }
   std::unique_ptr<FrameRenderer> result(new FrameRenderer);
   result->state_ = std::make_unique<State>();
   State& s = *result->state_;
-  s.renderer = renderer, s.options = options;
+  s.renderer = renderer, s.options = chosen;
   if (!context) {
     Result<std::unique_ptr<GlContext>> own = GlContext::create_surfaceless();
     if (!own) return tl::unexpected<Error>(own.error());
@@ -153,7 +155,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, 
     if (!impostors) return tl::unexpected<Error>(impostors.error());
     s.impostors = std::move(*impostors);
   } else {
-    s.warper = std::make_unique<CpuWarper>(CpuWarperOptions{options.samples_per_pixel, options.cpu_threads});
+    s.warper = std::make_unique<CpuWarper>(CpuWarperOptions{chosen.samples_per_pixel, options.cpu_threads});
   }
   return result;
 }

@@ -74,8 +74,7 @@ void mix_partial(const GlImage& image, const PartialPixel& pixel, Frame& frame) 
     const float covered = srgb_to_linear(image.rgba[4 * at + c]);
     frame.rgba[4 * at + c] = linear_to_srgb(covered + (1 - pixel.share) * srgb_to_linear(frame.rgba[4 * at + c]));
   }
-  if (pixel.share < 0.5f) return;
-  // Class and, where the one sample that depth was taken from is empty, disparity are those of a whole neighbour: the
+  // A pixel with any sample on a surface is covered. Class and, where the one sample that depth was taken from is empty, disparity are those of a whole neighbour: the
   // one most like this pixel, or the nearest one.
   const float own = image.depth[at] * static_cast<float>(1.0 / image.near_plane_m);
   const auto width = static_cast<std::size_t>(frame.width);

@@ -25,7 +25,7 @@ struct GlResolveOptions {
 };
 
 /// Writes `frame` and its crack, void and background counts. A pixel of which only some samples are covered shows the
-/// covered ones over what a void there would show, mixed in linear light; its class is what most of it shows.
+/// covered ones over what a void there would show, mixed in linear light; it counts as covered.
 void resolve_gl_frame(const GlImage& image, const GlResolveOptions& options, Frame& frame);
 
 }  // namespace farfield::client

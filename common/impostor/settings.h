@@ -14,12 +14,12 @@ struct ImpostorSettings {
   double finest_side_m = 0.5;        // side of a level-0 cell: the floor of subdivision
   double kappa = 2.0;                // margin of the near region, in sides
   int face_tiles = 10;               // tiles along a face's edge: the sample rate, see face_tiles_for()
-  double tau_px = 0.75;               // guaranteed warp error of coded disparity, in pixels of `display`
+  double tau_px = 1.0;               // guaranteed warp error of coded disparity, in pixels of `display`
   Display display;                   // what tau and the sample rate are meant for
   std::uint32_t near_triangles = 20000;  // P: the geometry budget
   int delta_views = 8;               // at most
   double void_target = 6e-5;         // stop adding delta views below this share of the sphere
-  int jpeg_quality = 85;
+  int jpeg_quality = 80;
 
   /// Samples along a face's edge of a view. Delta views have three quarters of the intra view's: what they hold is seen
   /// past the rims of nearer things, and is otherwise half as much again as the intra view.

@@ -11,6 +11,10 @@ namespace {
 // as void. At two, a tenth more bytes gain a tenth of a decibel.
 constexpr double kLargestStretch = 3.0;
 
+// Blocks that miss fewer of their 64 samples are left out: single leaves seen between leaves. They are a tenth of the
+// bytes in foliage, and their voids a few thousandths of a percent of a frame.
+constexpr std::size_t kFewestNeeded = 5;
+
 class DeltaCaster {
  public:
   DeltaCaster(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
@@ -210,16 +214,16 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   work.rays += tile.samples();
   std::vector<std::uint8_t> kept = with_border(tile, s);
 
-  // Blocks in which nothing was kept were only brought along: leave them out.
+  // Blocks in which nothing is missing were only brought along: leave them out.
   std::vector<std::size_t> full;
   for (std::size_t b = 0; b < tile.blocks.size(); ++b) {
     std::size_t count = 0;
     for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
       const int index = packed_index(tile, b, k % kBlockSamples, k / kBlockSamples);
-      count += kept[index];
+      count += s.needed[index];
       skips.samples_held += s.arrays.covered[index] && !kept[index];
     }
-    if (count) full.push_back(b);
+    if (count >= kFewestNeeded) full.push_back(b);
   }
   Tile packed = tile;
   packed.blocks.clear();

@@ -25,7 +25,7 @@ struct BenchOptions {
   LoadOptions load;
   ImpostorSettings settings;
   int threads = 0;
-  int client_samples = 1;
+  int client_samples = 0;  // 0: the renderer's choice
   bool is_realtime_wanted = true;
   std::filesystem::path json, plot, frames_folder, contact_sheet;
   bool prints_json = false;
