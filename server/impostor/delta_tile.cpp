@@ -18,25 +18,30 @@ constexpr std::size_t kFewestNeeded = 5;
 class DeltaCaster {
  public:
   DeltaCaster(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
-              const ViewFrame& frame, const ImpostorSettings& settings, double slack)
-      : scene_(scene), space_(space), views_(views), id_(id), frame_(frame),
+              const ViewFrame& frame, const ImpostorSettings& settings, const VisibleBlocks* visible, double slack)
+      : scene_(scene), space_(space), views_(views), id_(id), frame_(frame), visible_(visible),
         intra_stretch_(kLargestStretch * settings.edge_samples() / frame.edge_samples), slack_(slack) {
     const int blocks = (frame.edge_samples + kBlockSamples - 1) / kBlockSamples;
     columns_ = std::min(kRegionBlocks, blocks - id.x * kRegionBlocks);
     rows_ = std::min(kRegionBlocks, blocks - id.y * kRegionBlocks);
   }
 
-  // Four rays per block, four blocks a packet; a block with a void brings its eight neighbours along, also those across
-  // the region's border: one ring of blocks around the region is probed with it.
-  std::vector<BlockPlace> find_blocks(const VisibleBlocks* visible, DeltaSkips& skips) const {
-    const int face_blocks = (frame_.edge_samples + kBlockSamples - 1) / kBlockSamples;
-    const auto is_probed = [&](int x, int y) {
-      const int fx = face_block_x(x), fy = face_block_y(y);
-      if (x < -1 || y < -1 || x > columns_ || y > rows_ || fx < 0 || fy < 0 || fx >= face_blocks || fy >= face_blocks) return false;
-      return !visible || visible->contains(id_.face, fx * kBlockSamples, fy * kBlockSamples);
-    };
+  int columns() const { return columns_; }  // of blocks; regions at a face's end have fewer
+  int rows() const { return rows_; }
+  int face_block_x(int x) const { return id_.x * kRegionBlocks + x; }
+  int face_block_y(int y) const { return id_.y * kRegionBlocks + y; }
+  /// Whether block (x, y) of the region, or of the ring of blocks around it, is on the face and visible to somebody.
+  bool is_visible(int x, int y) const {
+    const int fx = face_block_x(x), fy = face_block_y(y), blocks = (frame_.edge_samples + kBlockSamples - 1) / kBlockSamples;
+    if (x < -1 || y < -1 || x > columns_ || y > rows_ || fx < 0 || fy < 0 || fx >= blocks || fy >= blocks) return false;
+    return !visible_ || visible_->contains(id_.face, fx * kBlockSamples, fy * kBlockSamples);
+  }
+
+  // Blocks in which one of four rays meets a void; four blocks a packet. The ring around the region is probed with it: a
+  // void that reaches across the border counts for the block inside.
+  std::vector<glm::ivec2> find_voids() const {
     const int stride = columns_ + 2;
-    std::vector<std::uint8_t> wanted(static_cast<std::size_t>(stride) * (rows_ + 2), 0);
+    std::vector<std::uint8_t> has_void(static_cast<std::size_t>(stride) * (rows_ + 2), 0);
     for (int y = -1; y <= rows_; y += 2)
       for (int x = -1; x <= columns_; x += 2) {
         RayPacket rays;
@@ -45,7 +50,7 @@ class DeltaCaster {
         const auto block_of = [&](int lane) { return glm::ivec2(x + lane / 4 % 2, y + lane / 8); };
         for (int lane = 0; lane < kPacketSize; ++lane) {
           const glm::ivec2 block = block_of(lane);
-          if (!is_probed(block.x, block.y)) continue;
+          if (!is_visible(block.x, block.y)) continue;
           rays.active |= 1u << lane;
           // Off the grid's diagonals, so that lines along the axes are met by each of the four.
           constexpr double kPlaces[4][2] = {{1.0, 2.5}, {4.5, 1.0}, {2.5, 6.0}, {6.0, 4.5}};
@@ -58,20 +63,14 @@ class DeltaCaster {
         const std::uint32_t missing = unheld(rays, hits);
         for (int lane = 0; lane < kPacketSize; ++lane) {
           const glm::ivec2 block = block_of(lane);
-          if (missing >> lane & 1) wanted[static_cast<std::size_t>(block.y + 1) * stride + block.x + 1] = 1;
+          if (missing >> lane & 1) has_void[static_cast<std::size_t>(block.y + 1) * stride + block.x + 1] = 1;
         }
       }
-    std::vector<BlockPlace> blocks;
-    for (int x = 0; x < columns_; ++x)
-      for (int y = 0; y < rows_; ++y) {
-        if (!is_probed(x, y)) continue;
-        bool near = false;
-        for (int dy = 0; dy <= 2; ++dy)
-          for (int dx = 0; dx <= 2; ++dx) near = near || wanted[static_cast<std::size_t>(y + dy) * stride + x + dx];
-        if (near) blocks.push_back({static_cast<std::uint16_t>(face_block_x(x)), static_cast<std::uint16_t>(face_block_y(y))});
-      }
-    skips.blocks_probed += static_cast<std::size_t>(columns_) * rows_;
-    skips.blocks_cast += blocks.size();
+    std::vector<glm::ivec2> blocks;
+    for (int y = -1; y <= rows_; ++y)
+      for (int x = -1; x <= columns_; ++x)
+        if (has_void[static_cast<std::size_t>(y + 1) * stride + x + 1])
+          blocks.push_back({std::clamp(x, 0, columns_ - 1), std::clamp(y, 0, rows_ - 1)});
     return blocks;
   }
 
@@ -108,14 +107,13 @@ class DeltaCaster {
     const double there = std::abs(glm::dot(normal, from_there)) / glm::dot(from_there, from_there);
     return here > (earlier == kIntraView ? intra_stretch_ : kLargestStretch) * there;
   }
-  int face_block_x(int x) const { return id_.x * kRegionBlocks + x; }
-  int face_block_y(int y) const { return id_.y * kRegionBlocks + y; }
 
   const Scene& scene_;
   const CellSpace& space_;
   const std::vector<glm::dvec3>& views_;
   const TileId& id_;
   const ViewFrame& frame_;
+  const VisibleBlocks* visible_;
   const double intra_stretch_;  // the intra view has more samples
   const double slack_;
   int columns_ = 0, rows_ = 0;
@@ -130,67 +128,105 @@ int packed_index(const Tile& tile, std::size_t b, int x, int y) {
   return (static_cast<int>(b) / kPackedColumns * kBlockSamples + y) * tile.width + static_cast<int>(b) % kPackedColumns * kBlockSamples + x;
 }
 
-struct PackedSamples {
+// The samples of a region's blocks that were cast, [row][column] over the region.
+class RegionSamples {
+ public:
+  RegionSamples(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const DeltaCaster& caster)
+      : width(caster.columns() * kBlockSamples), height(caster.rows() * kBlockSamples),
+        arrays(static_cast<std::size_t>(width) * height), needed(static_cast<std::size_t>(width) * height, 0), scene_(scene), space_(space),
+        frame_(frame), caster_(caster), is_cast_(static_cast<std::size_t>(caster.columns()) * caster.rows(), 0) {}
+
+  int index(int x, int y) const { return y * width + x; }
+
+  // Casts the given blocks and, as long as a void reaches the edge of a block, the block beyond.
+  void cast(std::vector<glm::ivec2> open) {
+    while (!open.empty()) {
+      const glm::ivec2 block = open.back();
+      open.pop_back();
+      if (block.x < 0 || block.y < 0 || block.x >= caster_.columns() || block.y >= caster_.rows()) continue;
+      std::uint8_t& is_cast = is_cast_[static_cast<std::size_t>(block.y) * caster_.columns() + block.x];
+      if (is_cast || !caster_.is_visible(block.x, block.y)) continue;
+      is_cast = 1;
+      for (int quarter = 0; quarter < 4; ++quarter)
+        cast_packet(block * kBlockSamples + glm::ivec2(quarter % 2, quarter / 2) * 4);
+      blocks.push_back(block);
+      for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)})
+        if (is_needed_at_edge(block, step)) open.push_back(block + step);
+    }
+    // By column, then row: the order in which the format lists blocks.
+    std::sort(blocks.begin(), blocks.end(), [](const glm::ivec2& a, const glm::ivec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  }
+
+  // A needed sample brings its four neighbours along, so that its surface meets the one that another view holds.
+  std::vector<std::uint8_t> with_border() const {
+    std::vector<std::uint8_t> kept = needed;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        if (!needed[index(x, y)]) continue;
+        const auto keep = [&](bool is_inside, int other) {
+          if (is_inside && arrays.covered[other]) kept[other] = 1;
+        };
+        keep(x + 1 < width, index(x + 1, y)), keep(x > 0, index(x - 1, y));
+        keep(y + 1 < height, index(x, y + 1)), keep(y > 0, index(x, y - 1));
+      }
+    return kept;
+  }
+
+  const int width, height;
   SampleArrays arrays;
   std::vector<std::uint8_t> needed;
-  std::vector<int> i, j;  // on the face, -1: padding
-};
+  std::vector<glm::ivec2> blocks;  // that were cast
 
-PackedSamples cast_blocks(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const DeltaCaster& caster,
-                          const Tile& tile) {
-  PackedSamples s{SampleArrays(tile.samples()), std::vector<std::uint8_t>(tile.samples(), 0),
-                  std::vector<int>(tile.samples(), -1), std::vector<int>(tile.samples(), -1)};
-  for (std::size_t b = 0; b < tile.blocks.size(); ++b)
-    for (int quarter = 0; quarter < 4; ++quarter) {
-      int i[kPacketSize], j[kPacketSize], index[kPacketSize];
-      for (int lane = 0; lane < kPacketSize; ++lane) {
-        const int x = quarter % 2 * 4 + lane % 4, y = quarter / 2 * 4 + lane / 4;
-        i[lane] = tile.blocks[b].x * kBlockSamples + x, j[lane] = tile.blocks[b].y * kBlockSamples + y;
-        index[lane] = packed_index(tile, b, x, y);
-        if (i[lane] >= frame.edge_samples || j[lane] >= frame.edge_samples) index[lane] = -1;
-        if (index[lane] >= 0) s.i[index[lane]] = i[lane], s.j[index[lane]] = j[lane];
-      }
-      cast_samples(scene, space, frame, i, j, index, s.arrays);
-      // What was hit is found again from its disparity and plane, in the form the visibility test wants.
-      RayPacket rays;
-      HitPacket hits;
-      rays.active = 0;
-      for (int lane = 0; lane < kPacketSize; ++lane) {
-        hits.part[lane] = kNoHit;
-        if (index[lane] < 0 || !s.arrays.covered[index[lane]]) continue;
-        rays.active |= 1u << lane;
-        const glm::dvec3 direction = frame.direction(i[lane], j[lane]);
-        set_ray(rays, lane, frame.position, direction, space.shell);
-        hits.part[lane] = 0;
-        const double disparity = s.arrays.disparity[index[lane]];
-        hits.distance[lane] = static_cast<float>(frame.side_m / disparity);
-        // From d = side·(n·D)/c: n_u = gradient_i, n_v = gradient_j per pitch, n·D = d fixes the third component.
-        float normal[3];
-        const double nu = s.arrays.gradient_i[index[lane]] / frame.pitch, nv = s.arrays.gradient_j[index[lane]] / frame.pitch;
-        const CubeFace& face = frame.face;
-        normal[face.u_axis()] = static_cast<float>(nu);
-        normal[face.v_axis()] = static_cast<float>(nv);
-        normal[face.axis] = static_cast<float>(face.sign * (disparity - nu * direction[face.u_axis()] - nv * direction[face.v_axis()]));
-        hits.normal_x[lane] = normal[0], hits.normal_y[lane] = normal[1], hits.normal_z[lane] = normal[2];
-      }
-      const std::uint32_t missing = rays.active ? caster.unheld(rays, hits) : 0;
-      for (int lane = 0; lane < kPacketSize; ++lane)
-        if (index[lane] >= 0) s.needed[index[lane]] = missing >> lane & 1;
+ private:
+  bool is_needed_at_edge(const glm::ivec2& block, const glm::ivec2& step) const {
+    for (int k = 0; k < kBlockSamples; ++k) {
+      const int x = step.x > 0 ? kBlockSamples - 1 : step.x < 0 ? 0 : k, y = step.y > 0 ? kBlockSamples - 1 : step.y < 0 ? 0 : k;
+      if (needed[index(block.x * kBlockSamples + x, block.y * kBlockSamples + y)]) return true;
     }
-  return s;
-}
-
-// A needed sample brings its four neighbours along, so that its surface meets the one that another view holds.
-std::vector<std::uint8_t> with_border(const Tile& tile, const PackedSamples& s) {
-  const TileNeighbours neighbours(tile);
-  std::vector<std::uint8_t> kept = s.needed;
-  for (int index = 0; index < static_cast<int>(tile.samples()); ++index) {
-    if (!s.needed[index]) continue;
-    for (const int other : {neighbours.right(index), neighbours.down(index), neighbours.left(index), neighbours.up(index)})
-      if (other >= 0 && s.arrays.covered[other]) kept[other] = 1;
+    return false;
   }
-  return kept;
-}
+  // 4×4 samples from (first.x, first.y) of the region.
+  void cast_packet(const glm::ivec2& first) {
+    int i[kPacketSize], j[kPacketSize], at[kPacketSize];
+    for (int lane = 0; lane < kPacketSize; ++lane) {
+      const int x = first.x + lane % 4, y = first.y + lane / 4;
+      i[lane] = caster_.face_block_x(0) * kBlockSamples + x, j[lane] = caster_.face_block_y(0) * kBlockSamples + y;
+      at[lane] = i[lane] < frame_.edge_samples && j[lane] < frame_.edge_samples ? index(x, y) : -1;
+    }
+    cast_samples(scene_, space_, frame_, i, j, at, arrays);
+    // What was hit is found again from its disparity and plane, in the form the visibility test wants.
+    RayPacket rays;
+    HitPacket hits;
+    rays.active = 0;
+    for (int lane = 0; lane < kPacketSize; ++lane) {
+      hits.part[lane] = kNoHit;
+      if (at[lane] < 0 || !arrays.covered[at[lane]]) continue;
+      rays.active |= 1u << lane;
+      const glm::dvec3 direction = frame_.direction(i[lane], j[lane]);
+      set_ray(rays, lane, frame_.position, direction, space_.shell);
+      hits.part[lane] = 0;
+      const double disparity = arrays.disparity[at[lane]];
+      hits.distance[lane] = static_cast<float>(frame_.side_m / disparity);
+      // From d = side·(n·D)/c: n_u = gradient_i, n_v = gradient_j per pitch, n·D = d fixes the third component.
+      float normal[3];
+      const double nu = arrays.gradient_i[at[lane]] / frame_.pitch, nv = arrays.gradient_j[at[lane]] / frame_.pitch;
+      const CubeFace& face = frame_.face;
+      normal[face.u_axis()] = static_cast<float>(nu);
+      normal[face.v_axis()] = static_cast<float>(nv);
+      normal[face.axis] = static_cast<float>(face.sign * (disparity - nu * direction[face.u_axis()] - nv * direction[face.v_axis()]));
+      hits.normal_x[lane] = normal[0], hits.normal_y[lane] = normal[1], hits.normal_z[lane] = normal[2];
+    }
+    const std::uint32_t missing = rays.active ? caster_.unheld(rays, hits) : 0;
+    for (int lane = 0; lane < kPacketSize; ++lane)
+      if (at[lane] >= 0) needed[at[lane]] = missing >> lane & 1;
+  }
+
+  const Scene& scene_;
+  const CellSpace& space_;
+  const ViewFrame& frame_;
+  const DeltaCaster& caster_;
+  std::vector<std::uint8_t> is_cast_;
+};
 
 }  // namespace
 
@@ -206,50 +242,53 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   const ViewFrame frame = ViewFrame::of(space, view, id.face, edge_samples);
   // A blocker nearer to the point than the tolerance can tell is the point itself: relative slack tolerance·z.
   const double nearest = exit_distance(space.shell.inside, view, frame.face.direction(0.0, 0.0)) / space.side_m;
-  const DeltaCaster caster(scene, space, views, id, frame, settings, std::min(0.05, tolerance * nearest));
-  tile.blocks = caster.find_blocks(visible, skips);
-  if (tile.blocks.empty()) return tile;
-  set_size(tile);
-  PackedSamples s = cast_blocks(scene, space, frame, caster, tile);
-  work.rays += tile.samples();
-  std::vector<std::uint8_t> kept = with_border(tile, s);
+  const DeltaCaster caster(scene, space, views, id, frame, settings, visible, std::min(0.05, tolerance * nearest));
+  skips.blocks_probed += static_cast<std::size_t>(caster.columns()) * caster.rows();
+  std::vector<glm::ivec2> voids = caster.find_voids();
+  if (voids.empty()) return tile;
+  RegionSamples region(scene, space, frame, caster);
+  region.cast(std::move(voids));
+  skips.blocks_cast += region.blocks.size();
+  work.rays += region.blocks.size() * kBlockSamples * kBlockSamples;
+  const std::vector<std::uint8_t> kept = region.with_border();
 
-  // Blocks in which nothing is missing were only brought along: leave them out.
-  std::vector<std::size_t> full;
-  for (std::size_t b = 0; b < tile.blocks.size(); ++b) {
+  std::vector<glm::ivec2> full;
+  for (const glm::ivec2& block : region.blocks) {
     std::size_t count = 0;
     for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
-      const int index = packed_index(tile, b, k % kBlockSamples, k / kBlockSamples);
-      count += s.needed[index];
-      skips.samples_held += s.arrays.covered[index] && !kept[index];
+      const int index = region.index(block.x * kBlockSamples + k % kBlockSamples, block.y * kBlockSamples + k / kBlockSamples);
+      count += region.needed[index];
+      skips.samples_held += region.arrays.covered[index] && !kept[index];
     }
-    if (count >= kFewestNeeded) full.push_back(b);
+    if (count < kFewestNeeded) continue;
+    full.push_back(block);
+    tile.blocks.push_back({static_cast<std::uint16_t>(caster.face_block_x(block.x)), static_cast<std::uint16_t>(caster.face_block_y(block.y))});
   }
-  Tile packed = tile;
-  packed.blocks.clear();
-  for (const std::size_t b : full) packed.blocks.push_back(tile.blocks[b]);
-  if (packed.blocks.empty()) return packed;
-  set_size(packed);
-  const std::size_t size = packed.samples();
+  if (full.empty()) return tile;
+  set_size(tile);
+  const std::size_t size = tile.samples();
   SampleArrays arrays(size);
   std::vector<int> sample_i(size, -1), sample_j(size, -1);
-  packed.coverage.assign(size, 0), packed.cut_right.assign(size, 0), packed.cut_down.assign(size, 0);
+  tile.coverage.assign(size, 0), tile.cut_right.assign(size, 0), tile.cut_down.assign(size, 0);
   for (std::size_t b = 0; b < full.size(); ++b)
     for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
-      const int from = packed_index(tile, full[b], k % kBlockSamples, k / kBlockSamples);
-      const int to = packed_index(packed, b, k % kBlockSamples, k / kBlockSamples);
-      packed.coverage[to] = kept[from];
-      sample_i[to] = s.i[from], sample_j[to] = s.j[from];
-      arrays.known[to] = s.arrays.known[from];
-      arrays.covered[to] = s.arrays.covered[from];
-      arrays.disparity[to] = s.arrays.disparity[from];
-      arrays.gradient_i[to] = s.arrays.gradient_i[from], arrays.gradient_j[to] = s.arrays.gradient_j[from];
-      for (int c = 0; c < 3; ++c) arrays.rgb[3 * std::size_t(to) + c] = s.arrays.rgb[3 * std::size_t(from) + c];
+      const int x = k % kBlockSamples, y = k / kBlockSamples;
+      const int from = region.index(full[b].x * kBlockSamples + x, full[b].y * kBlockSamples + y);
+      const int to = packed_index(tile, b, x, y);
+      const int i = tile.blocks[b].x * kBlockSamples + x, j = tile.blocks[b].y * kBlockSamples + y;
+      if (i >= edge_samples || j >= edge_samples) continue;
+      tile.coverage[to] = kept[from];
+      sample_i[to] = i, sample_j[to] = j;
+      arrays.known[to] = region.arrays.known[from];
+      arrays.covered[to] = region.arrays.covered[from];
+      arrays.disparity[to] = region.arrays.disparity[from];
+      arrays.gradient_i[to] = region.arrays.gradient_i[from], arrays.gradient_j[to] = region.arrays.gradient_j[from];
+      for (int c = 0; c < 3; ++c) arrays.rgb[3 * std::size_t(to) + c] = region.arrays.rgb[3 * std::size_t(from) + c];
     }
-  find_cuts(scene, space, frame, arrays, connection_limits(frame, warp_gain), TileNeighbours(packed), sample_i, sample_j, packed);
-  packed.disparity = std::move(arrays.disparity);
-  packed.rgb = std::move(arrays.rgb);
-  return packed;
+  find_cuts(scene, space, frame, arrays, connection_limits(frame, warp_gain), TileNeighbours(tile), sample_i, sample_j, tile);
+  tile.disparity = std::move(arrays.disparity);
+  tile.rgb = std::move(arrays.rgb);
+  return tile;
 }
 
 }  // namespace farfield

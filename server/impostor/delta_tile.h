@@ -16,7 +16,7 @@ struct DeltaSkips {
 };
 
 /// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe (four rays per block) finds blocks
-/// with voids; these and their neighbours are cast whole; samples that an earlier view holds at no less than half this
+/// with voids; these are cast whole, and so are the blocks beside them that their voids reach into; samples that an earlier view holds at no less than half this
 /// one's resolution are dropped, except for a one-sample border that meets the held surface.
 /// `visible`: blocks outside it are neither probed nor cast; null: all may be.
 /// Returns: a packed tile, without blocks if nothing is missing.
