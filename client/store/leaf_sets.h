@@ -8,8 +8,9 @@
 // complete, whatever has arrived is shown. Once something is shown there is always something.
 //
 // Memory: what the shown and the awaited set need is pinned. If these alone exceed the budget, room is made in this
-// order: finest texture levels of the awaited set, then of the shown one; then the farthest items of whichever of the
-// two holds more than its half. A set is complete without what it gave up, so there is always progress.
+// order: texture levels that take more than 1/64 of the budget, of the awaited set, then of the shown one; then the
+// farthest items of whichever of the two holds more than its half. A set is complete without what it gave up, so there
+// is always progress.
 //
 // The server sends again at once what it is told has gone and the current set needs. So what a pinned set gave up is
 // withheld from the server until no pinned set needs it, or another set comes to be pinned that does: otherwise it

@@ -2,6 +2,8 @@
 // How LeafSets makes room when the store is full. The order is that of leaf_sets.h.
 #include "client/store/leaf_sets.h"
 
+#include <algorithm>
+
 namespace farfield::client {
 
 bool LeafSets::make_room(const DecodedPayload& payload) {
@@ -35,11 +37,13 @@ bool LeafSets::give_up_one(const PayloadName& arriving) {
 
 bool LeafSets::give_up_texture_level(const Tracked& set) {
   if (!set) return false;
+  // Smaller levels would make room for a few dozen tiles, and blur what stands next to the viewer.
+  const std::size_t worthwhile = store_.budget_bytes() / 64;
   ContentHash largest = 0;
   std::size_t largest_bytes = 0;
   for (const LeafSetChunk& chunk : set->set().chunks) {
     const auto texture = store_.texture(chunk.texture);
-    if (!texture || texture->levels.size() < 2 || texture->levels.back().rgba.size() <= largest_bytes) continue;
+    if (!texture || texture->levels.size() < 2 || texture->levels.back().rgba.size() <= std::max(worthwhile, largest_bytes)) continue;
     largest = chunk.texture;
     largest_bytes = texture->levels.back().rgba.size();
   }
