@@ -19,13 +19,13 @@ struct ImpostorSettings {
   std::uint32_t near_triangles = 20000;  // P: the geometry budget
   int delta_views = 8;               // at most
   double void_target = 6e-5;         // stop adding delta views below this share of the sphere
-  int jpeg_quality = 80;
+  int jpeg_quality = 77;
 
-  /// Samples along a face's edge of a view. Delta views have three quarters of the intra view's: what they hold is seen
-  /// past the rims of nearer things, and is otherwise half as much again as the intra view.
+  /// Samples along a face's edge of a view. Delta views have seven tenths of the intra view's: what they hold is seen
+  /// past the rims of nearer things, and at the full rate it would be half as much again as the intra view.
   int edge_samples(std::uint8_t view = kIntraView) const {
     const bool is_delta = view != kIntraView && view != kFallbackView;
-    return face_samples(is_delta ? (3 * face_tiles + 3) / 4 : face_tiles);
+    return face_samples(is_delta ? (7 * face_tiles + 5) / 10 : face_tiles);
   }
   ContentHash hash() const;
 };

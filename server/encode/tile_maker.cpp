@@ -12,7 +12,7 @@ namespace farfield {
 namespace {
 
 // What delta views hold is seen at the rims of nearer things and for moments: it need not look as clean as the rest.
-constexpr int kDeltaQualityDrop = 12;
+constexpr int kDeltaQualityDrop = 16;
 
 }  // namespace
 
