@@ -16,9 +16,7 @@ std::size_t heap_bytes(const std::vector<T>& values) {
 
 std::size_t memory_of(const DecodedTile& tile) {
   return sizeof(DecodedTile) + heap_bytes(tile.mesh.rgb) + heap_bytes(tile.mesh.vertices) +
-         heap_bytes(tile.mesh.indices) + heap_bytes(tile.splats.runs) + heap_bytes(tile.splats.disparity) +
-         heap_bytes(tile.splats.slopes) + heap_bytes(tile.splats.colour) + heap_bytes(tile.splats.colour_up) +
-         heap_bytes(tile.splats.colour_down) + heap_bytes(tile.splats.reach);
+         heap_bytes(tile.mesh.indices) + tile.splats.memory_bytes();
 }
 
 std::string context_of(const PayloadName& name) {

@@ -94,7 +94,7 @@ void CpuWarper::State::find_jobs(const LeafView& leaf, const Pose& eye, const Di
     job.projection = TileProjection::of(*tile, eye, display);
     job.footprint = find_footprint(job.projection, tile->splats, display);
     if (!job.footprint.is_visible) continue;
-    statistics.samples_drawn += tile->splats.size();
+    statistics.samples_drawn += tile->splats.drawn;
     ++statistics.tiles_drawn;
     jobs.push_back(job);
   }

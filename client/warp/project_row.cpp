@@ -3,7 +3,6 @@
 // straight SIMD code.
 #include "client/warp/project_row.h"
 
-#include <bit>
 #include <cmath>
 
 #include "client/warp/splat_pixel.h"
@@ -29,7 +28,8 @@ void project_row(const RowProjection& projection, const PixelWindow& window, con
   const RowProjection p = projection;
   const int count = samples.count;
   const float* __restrict disparity = samples.disparity;
-  const std::uint32_t* __restrict slopes = samples.slopes;
+  const float* __restrict slopes_u = samples.slope_u;
+  const float* __restrict slopes_v = samples.slope_v;
   const std::uint16_t* __restrict reaches = samples.reach;
   const float* __restrict infinity_x = samples.infinity_x.data();
   const float* __restrict infinity_y = samples.infinity_y.data();
@@ -41,7 +41,7 @@ void project_row(const RowProjection& projection, const PixelWindow& window, con
 #pragma GCC ivdep  // the arrays of one result do not overlap
   for (int i = 0; i < count; ++i) {
     const float d = disparity[i];
-    const float slope_u = std::bit_cast<float>(slopes[i] & 0xffff0000u), slope_v = std::bit_cast<float>(slopes[i] << 16);
+    const float slope_u = slopes_u[i], slope_v = slopes_v[i];
     const float w = infinity_w[i] + d * p.per_disparity[2];
     const float inverse = 1.0f / w;
     const float screen_x = (infinity_x[i] + d * p.per_disparity[0]) * inverse;

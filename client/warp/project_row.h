@@ -45,7 +45,7 @@ struct PixelWindow {
 struct RowSamples {
   int count = 0;
   const float* disparity = nullptr;
-  const std::uint32_t* slopes = nullptr;
+  const float *slope_u = nullptr, *slope_v = nullptr;  // of the disparity, per sample
   const std::uint16_t* reach = nullptr;
   const std::uint32_t *colour = nullptr, *colour_left = nullptr, *colour_right = nullptr;
   const std::uint32_t *colour_up = nullptr, *colour_down = nullptr;

@@ -58,8 +58,7 @@ void project_row_scalar(const RowProjection& p, const PixelWindow& window, const
     if (!(x > -margin && x < static_cast<float>(window.width) + margin)) continue;
     if (!(y > static_cast<float>(window.top) - margin && y < static_cast<float>(window.bottom) + margin)) continue;
 
-    const float slope_u = std::bit_cast<float>(samples.slopes[i] & 0xffff0000u);
-    const float slope_v = std::bit_cast<float>(samples.slopes[i] << 16);
+    const float slope_u = samples.slope_u[i], slope_v = samples.slope_v[i];
     const float w_u = p.step_u[2] + slope_u * p.per_disparity[2], w_v = p.step_v[2] + slope_v * p.per_disparity[2];
     const auto derivative = [&](const float* step, float slope, int k, float screen, float along_w) {
       return (step[k] + slope * p.per_disparity[k] - screen * along_w) * inverse;

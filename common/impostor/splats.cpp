@@ -11,94 +11,119 @@
 namespace farfield {
 namespace {
 
-/// Appends the covered samples of one row of `tile`, keeping the last run open while samples stay adjacent.
-class RunWriter {
+/// Appends the covered samples of `tile` row by row; those to be drawn form runs, open while samples stay adjacent.
+class SplatsBuilder {
  public:
-  RunWriter(const Tile& tile, Splats& splats) : tile_(tile), neighbours_(tile), splats_(splats) {}
+  SplatsBuilder(const Tile& tile, Splats& splats)
+      : tile_(tile), neighbours_(tile), splats_(splats), place_(tile.samples(), kNotHeld) {}
 
   void begin_row(std::uint32_t face_row) {
     v_ = static_cast<float>(sample_tangent(tile_.edge_samples, face_row));
     is_open_ = false;
   }
 
-  /// `count` samples from array index `index`; the first stands at `face_column`.
-  void append(std::size_t index, std::uint32_t face_column, int count) {
+  /// `count` samples from array index `index`; the first stands at `face_column`. Those numbered [first_drawn, end_drawn)
+  /// join runs.
+  void append(std::size_t index, std::uint32_t face_column, int count, int first_drawn, int end_drawn) {
     for (int i = 0; i < count; ++i, ++index, ++face_column) {
       if (!tile_.coverage[index]) continue;
-      if (!is_open_ || face_column != next_column_) open(face_column);
+      if (i >= first_drawn && i < end_drawn) {
+        if (!is_open_ || face_column != next_column_) open(face_column);
+        ++splats_.runs.back().count;
+        ++splats_.drawn;
+        next_column_ = face_column + 1;
+      }
       push(index);
-      ++splats_.runs.back().count;
-      next_column_ = face_column + 1;
     }
   }
 
+  void finish() {
+    for (std::size_t k = 0; k < index_.size(); ++k) link(k);
+    splats_.runs.shrink_to_fit();
+    splats_.links.shrink_to_fit();
+  }
+
  private:
+  static constexpr std::uint32_t kNotHeld = ~0u;
+
   void open(std::uint32_t face_column) {
     const float u0 = static_cast<float>(sample_tangent(tile_.edge_samples, face_column));
     splats_.runs.push_back({u0, v_, static_cast<std::uint32_t>(splats_.disparity.size()), 0});
     is_open_ = true;
   }
-  std::uint32_t colour(int index) const {
-    const std::uint8_t* rgb = &tile_.rgb[3 * static_cast<std::size_t>(index)];
-    return rgb[0] | static_cast<std::uint32_t>(rgb[1]) << 8 | static_cast<std::uint32_t>(rgb[2]) << 16;
-  }
   void push(std::size_t at) {
     const int index = static_cast<int>(at);
-    const Side left = side(neighbours_.left(index), tile_.cut_right, neighbours_.left(index), false);
-    const Side right = side(neighbours_.right(index), tile_.cut_right, index, true);
-    const Side up = side(neighbours_.up(index), tile_.cut_down, neighbours_.up(index), false);
-    const Side down = side(neighbours_.down(index), tile_.cut_down, index, true);
+    const std::uint8_t* rgb = &tile_.rgb[3 * at];
+    place_[at] = static_cast<std::uint32_t>(index_.size());
+    index_.push_back(index);
     splats_.disparity.push_back(tile_.disparity[at]);
-    splats_.slopes.push_back(pack_slopes(slope(index, left.index, right.index), slope(index, up.index, down.index)));
-    splats_.colour.push_back(colour(index));
-    splats_.colour_up.push_back(colour(up.index >= 0 ? up.index : index));
-    splats_.colour_down.push_back(colour(down.index >= 0 ? down.index : index));
-    splats_.reach.push_back(pack_reach(left.reach, right.reach, up.reach, down.reach));
+    splats_.colour.push_back(rgb[0] | static_cast<std::uint32_t>(rgb[1]) << 8 | static_cast<std::uint32_t>(rgb[2]) << 16);
+    const int left = neighbours_.left(index), up = neighbours_.up(index);
+    splats_.reach.push_back(pack_reach(reach(left, tile_.cut_right, left, false),
+                                       reach(neighbours_.right(index), tile_.cut_right, index, true),
+                                       reach(up, tile_.cut_down, up, false),
+                                       reach(neighbours_.down(index), tile_.cut_down, index, true)));
+  }
+  /// `before`: the upper or left one of the two, which holds the cut. `is_before`: that is the sample itself.
+  std::uint32_t reach(int neighbour, const std::vector<std::uint8_t>& cuts, int before, bool is_before) const {
+    if (neighbour < 0) return kReachToNothing;
+    const std::uint32_t cut = std::min<std::uint32_t>(cuts[before], 8);
+    if (cut == kConnected) return tile_.coverage[neighbour] ? kReachConnected : kReachToNothing;
+    return is_before ? 2 * cut - 1 : 17 - 2 * cut;
   }
 
-  struct Side {
-    int index = -1;  // of the connected neighbour
-    std::uint32_t reach = kReachToNothing;
-  };
-  /// `before`: the upper or left one of the two, which holds the cut. `is_before`: that is the sample itself.
-  Side side(int neighbour, const std::vector<std::uint8_t>& cuts, int before, bool is_before) const {
-    if (neighbour < 0) return {};
-    const std::uint32_t cut = std::min<std::uint32_t>(cuts[before], 8);
-    if (cut == kConnected) return tile_.coverage[neighbour] ? Side{neighbour, kReachConnected} : Side{};
-    return {-1, is_before ? 2 * cut - 1 : 17 - 2 * cut};
+  /// Begins a new link where the one before does not lead to sample k's neighbours, or would lead out of the arrays.
+  void link(std::size_t k) {
+    const bool has_up = is_connected(k, 8, neighbours_.up(index_[k]));
+    const bool has_down = is_connected(k, 12, neighbours_.down(index_[k]));
+    const std::uint16_t up = has_up ? distance(place_[neighbours_.up(index_[k])], k) : 0;
+    const std::uint16_t down = has_down ? distance(k, place_[neighbours_.down(index_[k])]) : 0;
+    SplatLink next{static_cast<std::uint32_t>(k), up, down};
+    if (!splats_.links.empty()) {
+      const SplatLink& last = splats_.links.back();
+      if (!has_up) next.up = last.up;
+      if (!has_down) next.down = k + last.down < index_.size() ? last.down : 0;
+      if (next.up == last.up && next.down == last.down) return;
+    }
+    splats_.links.push_back(next);
   }
-  /// The central difference, or towards the one neighbour there is.
-  float slope(int index, int before, int after) const {
-    const float span = static_cast<float>((before >= 0) + (after >= 0));
-    if (before < 0 && after < 0) return 0;
-    return (tile_.disparity[after >= 0 ? after : index] - tile_.disparity[before >= 0 ? before : index]) / span;
+  /// Takes the connection away where the neighbour is too far off in the arrays: no tile that a decoder returns has any.
+  bool is_connected(std::size_t k, int shift, int neighbour) {
+    if ((splats_.reach[k] >> shift & 15) != kReachConnected) return false;
+    const std::size_t other = place_[neighbour];
+    if ((other > k ? other - k : k - other) <= std::numeric_limits<std::uint16_t>::max()) return true;
+    splats_.reach[k] = static_cast<std::uint16_t>((splats_.reach[k] & ~(15 << shift)) | kReachToNothing << shift);
+    return false;
   }
+  static std::uint16_t distance(std::size_t from, std::size_t to) { return static_cast<std::uint16_t>(to - from); }
 
   const Tile& tile_;
   const TileNeighbours neighbours_;
   Splats& splats_;
+  std::vector<std::uint32_t> place_;  // by tile index: where the sample is held
+  std::vector<int> index_;            // and back
   float v_ = 0;
   std::uint32_t next_column_ = 0;
   bool is_open_ = false;
 };
 
-void append_dense(const Tile& tile, Splats& splats) {
-  // Of the two rows and columns it shares with each neighbour a tile holds the inner one, so that it knows the
-  // neighbours of all it holds. At the ends of a face there is no other tile.
+void append_dense(const Tile& tile, SplatsBuilder& builder) {
+  // Of the two rows and columns it shares with each neighbour a tile draws the inner one, so that it knows the
+  // neighbours of all it draws. At the ends of a face there is no other tile.
   const int tiles = face_tiles(tile.edge_samples);
   const auto begin = [](int place) { return place > 0 ? 1 : 0; };
   const auto end = [&](int place, int size) { return place + 1 < tiles ? std::min(size, kTileStride + 1) : size; };
-  const int first_column = begin(tile.id.x), columns = end(tile.id.x, tile.width) - first_column;
-  const std::uint32_t face_column = static_cast<std::uint32_t>(tile.id.x) * kTileStride + first_column;
+  const std::uint32_t face_column = static_cast<std::uint32_t>(tile.id.x) * kTileStride;
   const std::uint32_t face_row = static_cast<std::uint32_t>(tile.id.y) * kTileStride;
-  RunWriter writer(tile, splats);
-  for (int j = begin(tile.id.y); j < end(tile.id.y, tile.height); ++j) {
-    writer.begin_row(face_row + j);
-    writer.append(static_cast<std::size_t>(j) * tile.width + first_column, face_column, columns);
+  for (int j = 0; j < tile.height; ++j) {
+    const bool is_drawn = j >= begin(tile.id.y) && j < end(tile.id.y, tile.height);
+    builder.begin_row(face_row + j);
+    builder.append(static_cast<std::size_t>(j) * tile.width, face_column, tile.width, begin(tile.id.x),
+                   is_drawn ? end(tile.id.x, tile.width) : 0);
   }
 }
 
-void append_packed(const Tile& tile, Splats& splats) {
+void append_packed(const Tile& tile, SplatsBuilder& builder) {
   // Blocks in rows of the face, so that runs continue from a block into its right neighbour.
   std::vector<std::uint32_t> order(tile.blocks.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -106,34 +131,19 @@ void append_packed(const Tile& tile, Splats& splats) {
     const BlockPlace &p = tile.blocks[a], &q = tile.blocks[b];
     return p.y != q.y ? p.y < q.y : p.x < q.x;
   });
-  RunWriter writer(tile, splats);
   for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
     const std::uint32_t block_row = tile.blocks[order[begin]].y;
     while (end < order.size() && tile.blocks[order[end]].y == block_row) ++end;
     for (int j = 0; j < kBlockSamples; ++j) {
-      writer.begin_row(block_row * kBlockSamples + j);
+      builder.begin_row(block_row * kBlockSamples + j);
       for (std::size_t k = begin; k < end; ++k) {
         const std::uint32_t b = order[k];
         const std::size_t row = static_cast<std::size_t>(b / kPackedColumns) * kBlockSamples + j;
         const std::size_t column = static_cast<std::size_t>(b % kPackedColumns) * kBlockSamples;
-        writer.append(row * tile.width + column, static_cast<std::uint32_t>(tile.blocks[b].x) * kBlockSamples,
-                      kBlockSamples);
+        builder.append(row * tile.width + column, static_cast<std::uint32_t>(tile.blocks[b].x) * kBlockSamples,
+                       kBlockSamples, 0, kBlockSamples);
       }
     }
-  }
-}
-
-/// Connections that leave a run: the neighbour's colour is not beside the sample's.
-void mark_ends(Splats& splats) {
-  const auto mark = [&](std::size_t sample, int shift) {
-    std::uint16_t& reach = splats.reach[sample];
-    if ((reach >> shift & 15) == kReachConnected) {
-      reach = static_cast<std::uint16_t>((reach & ~(15 << shift)) | kReachOutOfRun << shift);
-    }
-  };
-  for (const SplatRun& run : splats.runs) {
-    mark(run.first, 0);
-    mark(run.first + run.count - 1, 4);
   }
 }
 
@@ -152,7 +162,16 @@ void find_bounds(Splats& splats) {
   }
 }
 
+template <class T>
+std::size_t heap_bytes(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
 }  // namespace
+
+std::size_t Splats::memory_bytes() const {
+  return heap_bytes(runs) + heap_bytes(links) + heap_bytes(disparity) + heap_bytes(colour) + heap_bytes(reach);
+}
 
 Splats build_splats(const Tile& tile) {
   Splats splats;
@@ -161,14 +180,15 @@ Splats build_splats(const Tile& tile) {
   const std::size_t covered =
       static_cast<std::size_t>(std::count_if(tile.coverage.begin(), tile.coverage.end(), [](auto c) { return c != 0; }));
   splats.disparity.reserve(covered);
+  splats.colour.reserve(covered);
   splats.reach.reserve(covered);
-  for (auto* words : {&splats.slopes, &splats.colour, &splats.colour_up, &splats.colour_down}) words->reserve(covered);
+  SplatsBuilder builder(tile, splats);
   if (tile.is_packed()) {
-    append_packed(tile, splats);
+    append_packed(tile, builder);
   } else {
-    append_dense(tile, splats);
+    append_dense(tile, builder);
   }
-  mark_ends(splats);
+  builder.finish();
   find_bounds(splats);
   return splats;
 }

@@ -3,10 +3,9 @@
 //
 // Based on: Shade et al. 1998 and Aliaga 1998 chapter 4. Differs: deeper layers (delta views) keep their own view's
 // exact grid positions instead of being resampled into the intra view's grid, so the form adds no error of its own; and
-// a splat is the sample's cell on its surface, with the surface's slopes and its neighbours' colours, not a disc.
+// a splat is the sample's cell on its surface, with the surface's slopes and colours towards its neighbours, not a disc.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -24,8 +23,7 @@ struct SplatRun {
 /// How far a sample's surface reaches towards a neighbour, in sixteenths of the sample spacing. A recorded cut gives an
 /// odd number; towards a neighbour of the same surface, splats overlap a little, as curved surfaces need it.
 inline constexpr std::uint32_t kReachToNothing = 8;     // nothing is known of what lies there
-inline constexpr std::uint32_t kReachConnected = 10;    // the neighbour is the next (or previous) one of the same run
-inline constexpr std::uint32_t kReachOutOfRun = 9;      // connected, but held by the next tile
+inline constexpr std::uint32_t kReachConnected = 10;    // the neighbour is held, see Splats
 /// Four reaches as nibbles: left, right, up, down from the lowest. Left and right are along u, up and down along v
 /// (down: towards larger v).
 inline constexpr std::uint16_t pack_reach(std::uint32_t left, std::uint32_t right, std::uint32_t up,
@@ -35,29 +33,36 @@ inline constexpr std::uint16_t pack_reach(std::uint32_t left, std::uint32_t righ
 inline constexpr std::uint16_t kReachHalfway =
     pack_reach(kReachToNothing, kReachToNothing, kReachToNothing, kReachToNothing);
 
-/// Disparity slopes per sample along u (upper half) and v (lower half), each the upper 16 bits of its float: to 1/256.
-inline std::uint32_t pack_slopes(float along_u, float along_v) {
-  const auto rounded = [](float value) { return std::bit_cast<std::uint32_t>(value) + 0x8000u; };
-  return (rounded(along_u) & 0xffff0000u) | rounded(along_v) >> 16;
-}
+/// Where the neighbours along v of samples from `first` on stand: `up` entries before them, `down` entries after them.
+/// Holds until the next link begins, for the samples connected to such a neighbour; the others may ignore it, but the
+/// place it names is within the arrays.
+struct SplatLink {
+  std::uint32_t first = 0;
+  std::uint16_t up = 0, down = 0;
+};
 
-/// The arrays from `disparity` on hold one entry per sample, 22 bytes together.
+/// The arrays from `disparity` on hold one entry per sample, 10 bytes together, by rows of the face. A sample connected
+/// to its left or right neighbour has it as the entry before or after its own, whether or not that is in a run; one
+/// connected along v finds it by the links. Slopes and the colours between samples follow from the neighbours. Samples in
+/// no run are held for that alone.
 struct Splats {
   int face = 0;
   float pitch = 0;                       // sample spacing in tangent units
   float min_disparity = 0, max_disparity = 0;
   float u_min = 0, u_max = 0, v_min = 0, v_max = 0;
+  std::uint32_t drawn = 0;               // samples in runs
   std::vector<SplatRun> runs;
+  std::vector<SplatLink> links;          // by ascending `first`; the first begins at 0
   std::vector<float> disparity;          // 1/(cell side)
-  std::vector<std::uint32_t> slopes;     // pack_slopes(), 1/(cell side) per sample; 0 without a connected neighbour
   std::vector<std::uint32_t> colour;     // 0x00BBGGRR sRGB
-  std::vector<std::uint32_t> colour_up, colour_down;  // of the connected neighbours along v; else the sample's own
   std::vector<std::uint16_t> reach;      // pack_reach()
 
   std::size_t size() const { return disparity.size(); }
+  std::size_t memory_bytes() const;      // on the heap
 };
 
-/// Dense tiles leave out the first and last rows and columns, which the tiles before and after hold. O(samples).
+/// Of the rows and columns a dense tile shares with its neighbours, the outer ones are in no run: the tiles before and
+/// after draw them. No array keeps spare capacity. O(samples).
 Splats build_splats(const Tile& tile);
 
 }  // namespace farfield

@@ -204,9 +204,6 @@ LeafView random_planes(int samples) {
   std::vector<std::shared_ptr<const DecodedTile>> tiles;
   for (int k = 0; k < 3; ++k) {
     auto tile = plane_tile({0.1 * k, 0, 0}, 2.0, 3.0 + k, samples, [&](double, double) { return random() & 0xffffffu; });
-    for (auto& slopes : tile->splats.slopes) {
-      slopes = pack_slopes(0.001f * static_cast<float>(random() % 7), -0.001f * static_cast<float>(random() % 5));
-    }
     for (float& d : tile->splats.disparity) d *= 1.0f - 0.01f * static_cast<float>(random() % 10);
     tile->splats.min_disparity *= 0.9f;
     tiles.push_back(tile);

@@ -51,12 +51,13 @@ class Rows {
       samples.infinity_x[i] = uniform(-200, 400), samples.infinity_y[i] = uniform(-200, 400);
       samples.infinity_w[i] = uniform(-1, 2);
       disparity_[i] = random_() % 8 == 0 ? 0.0f : uniform(0, 0.6f);
-      slopes_[i] = random_() % 4 == 0 ? 0 : pack_slopes(uniform(-0.01f, 0.01f), uniform(-0.01f, 0.01f));
+      const bool is_flat = random_() % 4 == 0;
+      slope_u_[i] = is_flat ? 0 : uniform(-0.01f, 0.01f), slope_v_[i] = is_flat ? 0 : uniform(-0.01f, 0.01f);
       reach_[i] = pack_reach(1 + random_() % 15, 1 + random_() % 15, 1 + random_() % 15, 1 + random_() % 15);
       for (auto& colours : colours_) colours[i] = static_cast<std::uint32_t>(random_()) & 0xffffff;
     }
     samples.disparity = disparity_.data();
-    samples.slopes = slopes_.data();
+    samples.slope_u = slope_u_.data(), samples.slope_v = slope_v_.data();
     samples.reach = reach_.data();
     samples.colour = colours_[0].data();
     samples.colour_left = colours_[1].data(), samples.colour_right = colours_[2].data();
@@ -67,8 +68,7 @@ class Rows {
 
  private:
   std::mt19937 random_;
-  std::array<float, kRowPiece> disparity_;
-  std::array<std::uint32_t, kRowPiece> slopes_;
+  std::array<float, kRowPiece> disparity_, slope_u_, slope_v_;
   std::array<std::uint16_t, kRowPiece> reach_;
   std::array<std::array<std::uint32_t, kRowPiece>, 5> colours_;
 };

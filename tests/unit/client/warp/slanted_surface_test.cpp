@@ -29,7 +29,6 @@ std::shared_ptr<DecodedTile> plane_patch(const glm::dvec3& normal, std::uint16_t
       s.colour.push_back(0x406080u);
     }
   }
-  s.slopes.assign(s.size(), pack_slopes(static_cast<float>(-normal.x * s.pitch), static_cast<float>(-normal.y * s.pitch)));
   connect_grid(s, kPatch, kPatch);
   for (auto& reach : s.reach) {
     for (int shift = 0; shift < 16; shift += 4) {

@@ -13,18 +13,19 @@ namespace farfield::client {
 
 inline constexpr int kMinusZ = 5;  // u is +x and v is +y there, as a camera with the identity rotation sees them
 
-/// Neighbours' colours and reaches for an array of width × height samples, all of one surface up to its border.
+/// Links and reaches for an array of width × height samples, all of one surface up to its border.
 inline void connect_grid(Splats& s, int width, int height) {
-  const auto index = [&](int i, int j) { return static_cast<std::size_t>(j) * width + i; };
-  s.reach.clear(), s.colour_up.clear(), s.colour_down.clear();
+  s.reach.clear(), s.links.clear();
+  const auto row = static_cast<std::uint16_t>(width);
   for (int j = 0; j < height; ++j) {
+    const auto first = static_cast<std::uint32_t>(j * width);
+    s.links.push_back({first, j > 0 ? row : std::uint16_t{0}, j + 1 < height ? row : std::uint16_t{0}});
     for (int i = 0; i < width; ++i) {
       const auto side = [](bool connected) { return connected ? kReachConnected : kReachToNothing; };
       s.reach.push_back(pack_reach(side(i > 0), side(i + 1 < width), side(j > 0), side(j + 1 < height)));
-      s.colour_up.push_back(s.colour[index(i, j > 0 ? j - 1 : j)]);
-      s.colour_down.push_back(s.colour[index(i, j + 1 < height ? j + 1 : j)]);
     }
   }
+  s.drawn = static_cast<std::uint32_t>(s.size());
 }
 
 /// One whole face of `edge_samples`² samples of the plane z = -distance, seen from `view`; colour(x, y) is 0x00BBGGRR.
@@ -48,7 +49,6 @@ std::shared_ptr<DecodedTile> plane_tile(const glm::dvec3& view, double side_m, d
       s.colour.push_back(colour(view.x + u * z, view.y + v * z));
     }
   }
-  s.slopes.assign(s.size(), pack_slopes(0, 0));
   connect_grid(s, edge_samples, edge_samples);
   s.min_disparity = s.max_disparity = static_cast<float>(side_m / z);
   s.u_min = s.v_min = static_cast<float>(sample_tangent(edge_samples, 0));
@@ -67,8 +67,9 @@ inline std::shared_ptr<DecodedTile> single_sample(const glm::dvec3& view, double
   s.pitch = pitch;
   s.runs.push_back({u, v, 0, 1});
   s.disparity = {disparity};
-  s.slopes = {pack_slopes(0, 0)};
-  s.colour = s.colour_up = s.colour_down = {colour};
+  s.colour = {colour};
+  s.links = {{}};
+  s.drawn = 1;
   s.reach = {kReachHalfway};
   s.min_disparity = s.max_disparity = disparity;
   s.u_min = s.u_max = u;

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
+#include "common/impostor/tile_neighbours.h"
 #include "common/math/cube_face.h"
 
 namespace farfield {
@@ -29,7 +33,8 @@ TEST(Splats, DenseTilesLeaveOutWhatOtherTilesHold) {
   const Splats splats = build_splats(dense_tile(3, 1, 0));
   const std::size_t rows = kTileStride + 1;  // at the face's upper end: nobody else holds row 0
   ASSERT_EQ(splats.runs.size(), rows);
-  EXPECT_EQ(splats.size(), rows * kTileStride);
+  EXPECT_EQ(splats.drawn, rows * kTileStride);
+  EXPECT_EQ(splats.size(), std::size_t{kTileSamples} * kTileSamples) << "what is drawn, and its neighbours";
   const int n = face_samples(3);
   EXPECT_FLOAT_EQ(splats.runs[5].u0, static_cast<float>(sample_tangent(n, kTileStride + 1)));
   EXPECT_FLOAT_EQ(splats.runs[5].v, static_cast<float>(sample_tangent(n, 5)));
@@ -42,7 +47,7 @@ TEST(Splats, DenseTilesLeaveOutWhatOtherTilesHold) {
 TEST(Splats, TilesOfAFaceHoldEverySampleOnce) {
   std::size_t total = 0;
   for (int y = 0; y < 2; ++y) {
-    for (int x = 0; x < 2; ++x) total += build_splats(dense_tile(2, x, y)).size();
+    for (int x = 0; x < 2; ++x) total += build_splats(dense_tile(2, x, y)).drawn;
   }
   EXPECT_EQ(total, static_cast<std::size_t>(face_samples(2)) * face_samples(2));
 }
@@ -83,40 +88,93 @@ TEST(Splats, RunsContinueAcrossAdjacentBlocks) {
   EXPECT_FLOAT_EQ(splats.runs[0].v, static_cast<float>(sample_tangent(258, 32)));
 }
 
-float slope_u(const Splats& s, std::size_t k) { return std::bit_cast<float>(s.slopes[k] & 0xffff0000u); }
-float slope_v(const Splats& s, std::size_t k) { return std::bit_cast<float>(s.slopes[k] << 16); }
+/// Entries of the neighbours above and below of sample k.
+std::size_t above(const Splats& s, std::size_t k) {
+  const auto link = std::prev(std::upper_bound(s.links.begin(), s.links.end(), k,
+                                               [](std::size_t at, const SplatLink& l) { return at < l.first; }));
+  return k - link->up;
+}
+std::size_t below(const Splats& s, std::size_t k) {
+  const auto link = std::prev(std::upper_bound(s.links.begin(), s.links.end(), k,
+                                               [](std::size_t at, const SplatLink& l) { return at < l.first; }));
+  return k + link->down;
+}
 
-TEST(Splats, SlopesAndColoursComeFromConnectedNeighboursOnly) {
+TEST(Splats, ReachesEndAtCutsAndLinksLeadToNeighboursAlongV) {
   Tile tile = dense_tile(1, 0, 0);
-  for (int j = 0; j < 128; ++j) {
-    for (int i = 0; i < 128; ++i) tile.disparity[128 * j + i] = 0.25f + 0.0005f * i - 0.00025f * j + (i > 50 ? 0.3f : 0.0f);
-  }
   for (int j = 0; j < 128; ++j) tile.cut_right[128 * j + 50] = 3;
   tile.cut_down[128 * 60 + 20] = 8;
   const Splats s = build_splats(tile);
   ASSERT_EQ(s.size(), 128u * 128u);  // one run per row: index as in the tile
-  for (const std::size_t k : {128u * 40 + 30, 128u * 40 + 50, 128u * 40 + 51, 128u * 60 + 20, 128u * 127 + 127}) {
-    EXPECT_NEAR(slope_u(s, k), 0.0005f, 0.0005f / 100);
-    EXPECT_NEAR(slope_v(s, k), -0.00025f, 0.00025f / 100);
-  }
   EXPECT_EQ(s.reach[128 * 40 + 30], pack_reach(10, 10, 10, 10));
   EXPECT_EQ(s.reach[128 * 40 + 50], pack_reach(10, 5, 10, 10));   // (3 - ½)/8 of the way
   EXPECT_EQ(s.reach[128 * 40 + 51], pack_reach(11, 10, 10, 10));  // and the rest
   EXPECT_EQ(s.reach[128 * 60 + 20], pack_reach(10, 10, 10, 15));
   EXPECT_EQ(s.reach[128 * 61 + 20], pack_reach(10, 10, 1, 10));
   EXPECT_EQ(s.reach[0], pack_reach(8, 10, 8, 10));
-  EXPECT_EQ(s.colour_down[128 * 40 + 30], s.colour[128 * 41 + 30]);
-  EXPECT_EQ(s.colour_up[128 * 40 + 30], s.colour[128 * 39 + 30]);
-  EXPECT_EQ(s.colour_down[128 * 60 + 20], s.colour[128 * 60 + 20]);
-  EXPECT_EQ(s.colour_up[128 * 61 + 20], s.colour[128 * 61 + 20]);
+  EXPECT_EQ(above(s, 128 * 40 + 30), 128u * 39 + 30);
+  EXPECT_EQ(below(s, 128 * 40 + 30), 128u * 41 + 30);
+  EXPECT_EQ(below(s, 128 * 126 + 30), 128u * 127 + 30);
 }
 
-TEST(Splats, ConnectionsThatLeaveARunAreMarked) {
+// Whatever is covered and cut: who is connected finds exactly that neighbour's disparity and colour, and no link leads
+// out of the arrays.
+TEST(Splats, ConnectedSamplesFindTheirNeighboursInRaggedTiles) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    Tile tile;
+    if (seed % 2 == 0) {
+      tile = dense_tile(3, seed % 3, seed / 3 % 3);
+    } else {
+      tile.id.view = 1;
+      tile.edge_samples = face_samples(2);
+      for (std::uint16_t y = 0; y < 16; ++y) {
+        for (std::uint16_t x = 0; x < 16; ++x) {
+          if (random() % 3) tile.blocks.push_back({x, y});
+        }
+      }
+      tile.width = packed_width(tile.blocks.size()), tile.height = packed_height(tile.blocks.size());
+      ASSERT_TRUE(tile.is_packed());
+    }
+    const std::size_t samples = tile.samples();
+    tile.coverage.assign(samples, 0), tile.cut_right.assign(samples, 0), tile.cut_down.assign(samples, 0);
+    tile.disparity.resize(samples), tile.rgb.resize(3 * samples);
+    const std::size_t used = tile.is_packed() ? tile.blocks.size() : samples;
+    for (std::size_t i = 0; i < samples; ++i) {
+      const std::size_t block = i / tile.width / kBlockSamples * kPackedColumns + i % tile.width / kBlockSamples;
+      tile.coverage[i] = random() % 5 > 0 && (!tile.is_packed() || block < used);
+      tile.disparity[i] = static_cast<float>(i + 1);  // names the sample
+      tile.cut_right[i] = random() % 6 ? 0 : 4, tile.cut_down[i] = random() % 6 ? 0 : 4;
+    }
+    const Splats s = build_splats(tile);
+    const TileNeighbours neighbours(tile);
+    std::size_t connected = 0;
+    for (std::size_t k = 0; k < s.size(); ++k) {
+      ASSERT_LE(above(s, k), k);
+      ASSERT_LT(below(s, k), s.size());
+      const int index = static_cast<int>(s.disparity[k]) - 1;
+      const auto expect = [&](int shift, int neighbour, const std::vector<std::uint8_t>& cuts, int before, std::size_t found) {
+        const bool is_connected = neighbour >= 0 && tile.coverage[neighbour] && cuts[before] == kConnected;
+        ASSERT_EQ((s.reach[k] >> shift & 15) == kReachConnected, is_connected) << seed << " " << k;
+        if (!is_connected) return;
+        ++connected;
+        ASSERT_LT(found, s.size());
+        ASSERT_EQ(s.disparity[found], tile.disparity[neighbour]) << seed << " " << k << " " << shift;
+      };
+      expect(0, neighbours.left(index), tile.cut_right, neighbours.left(index), k - 1);
+      expect(4, neighbours.right(index), tile.cut_right, index, k + 1);
+      expect(8, neighbours.up(index), tile.cut_down, neighbours.up(index), above(s, k));
+      expect(12, neighbours.down(index), tile.cut_down, index, below(s, k));
+    }
+    EXPECT_GT(connected, s.size());
+  }
+}
+
+TEST(Splats, ASampleTakesTenBytesAndNoCapacityIsSpare) {
   const Splats s = build_splats(dense_tile(3, 1, 1));
-  const SplatRun& run = s.runs[4];
-  EXPECT_EQ(s.reach[run.first], pack_reach(kReachOutOfRun, 10, 10, 10));
-  EXPECT_EQ(s.reach[run.first + 1], pack_reach(10, 10, 10, 10));
-  EXPECT_EQ(s.reach[run.first + run.count - 1], pack_reach(10, kReachOutOfRun, 10, 10));
+  EXPECT_LE(s.memory_bytes(), 10 * s.size() + 24 * 128);  // runs and links: one per row
+  EXPECT_EQ(s.runs.capacity(), s.runs.size());
+  EXPECT_EQ(s.links.capacity(), s.links.size());
 }
 
 TEST(Splats, AnEmptyTileGivesNone) {
