@@ -12,6 +12,14 @@ namespace {
 
 constexpr int kProbeEdge = 48;  // rays per face edge and candidate: 1.9 degrees, averaged over all candidates
 
+constexpr int kScattered = 16;  // candidates off the lattice: viewers walk at heights that it may miss
+
+// The R3 sequence (Roberts 2018) fills a box evenly.
+glm::dvec3 scattered_point(const Box& box, int index) {
+  const glm::dvec3 place = glm::dvec3(0.8191725133961645, 0.6710436067037893, 0.5497004779019703) * static_cast<double>(index + 1);
+  return box.min + box.extent() * (place - glm::floor(place));
+}
+
 // A surface point that a candidate sees in the shell and no view holds yet.
 struct Unheld {
   glm::vec3 point;
@@ -109,8 +117,11 @@ ShellViews choose_views(const Scene& scene, const CellSpace& space, const Impost
     search.add_candidate(snap_to_cell(space, nearest_to(at)));
   }
   const bool is_inner = width == ViewSearchWidth::kInnerCell;
-  if (is_inner)
+  if (is_inner) {
     for (const glm::dvec3& point : stand.points) search.add_candidate(snap_to_cell(space, point));
+    for (int k = 0; k < kScattered; ++k)
+      if (const glm::dvec3 point = scattered_point(space.box, k); is_free(scene, point)) search.add_candidate(snap_to_cell(space, point));
+  }
   result.first_void_sr = search.candidates().empty() ? 0 : search.candidates()[search.worst()].void_sr;
   const double target = settings.void_target * 4 * 3.14159265358979323846;
   // Nobody can stand in the cell: one view is enough for whoever flies through.

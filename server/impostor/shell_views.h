@@ -26,7 +26,7 @@ struct ShellViews {
 enum class ViewSearchWidth : std::uint8_t { kLeaf, kInnerCell };
 
 /// Candidates are the reachable points nearest to the cell's corners, the diagram's vertices and, in inner cells, a
-/// lattice of 27 points; inner cells may have twice the delta views. Deterministic: depends on scene, settings, cell and
+/// lattice of 27 points and 16 scattered ones; inner cells may have twice the delta views. Deterministic: depends on scene, settings, cell and
 /// width only. Some hundred thousand rays.
 ShellViews choose_views(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings, ViewSearchWidth width,
                         const std::atomic<bool>* cancel);
