@@ -67,11 +67,14 @@ TEST_F(SessionTest, APoseBringsTheLeafSetThenItsPayloadsThenItsEnd) {
 }
 
 TEST_F(SessionTest, AClientThatComplainsAgainAndAgainIsLoggedOnce) {
-  std::mutex mutex;
-  std::vector<std::string> lines;
-  serve({}, {}, [&](const std::string& line) {
-    const std::lock_guard lock(mutex);
-    lines.push_back(line);
+  struct Log {
+    std::mutex mutex;
+    std::vector<std::string> lines;
+  };
+  const auto log = std::make_shared<Log>();  // the server, which is the fixture's, logs on after the test's body
+  serve({}, {}, [log](const std::string& line) {
+    const std::lock_guard lock(log->mutex);
+    log->lines.push_back(line);
   });
   TestClient client(server->endpoint());
   ASSERT_TRUE(client.enter());
@@ -80,8 +83,8 @@ TEST_F(SessionTest, AClientThatComplainsAgainAndAgainIsLoggedOnce) {
   for (int i = 0; i < 50; ++i) client.send(MessageType::kFailure, failure);
   client.move_to(kHere);  // answered after all of them were read
   ASSERT_TRUE(client.wait_complete(1));
-  const std::lock_guard lock(mutex);
-  EXPECT_EQ(std::count_if(lines.begin(), lines.end(), [](const std::string& l) { return l.find("reports: two?lines") != std::string::npos; }), 1);
+  const std::lock_guard lock(log->mutex);
+  EXPECT_EQ(std::count_if(log->lines.begin(), log->lines.end(), [](const std::string& l) { return l.find("reports: two?lines") != std::string::npos; }), 1);
 }
 
 TEST_F(SessionTest, GeometryWithCoarseTexturesComesFirstAndFineLevelsLast) {
