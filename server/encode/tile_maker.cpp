@@ -13,13 +13,15 @@ namespace {
 
 // What delta views hold is seen at the rims of nearer things and for moments: it need not look as clean as the rest.
 constexpr int kDeltaQualityDrop = 16;
+// A fallback view is shown for moments, at a quarter of the samples.
+constexpr int kFallbackQualityDrop = 25;
 
 }  // namespace
 
 int TileMaker::quality_of(const TileId& id) const {
-  return id.is_delta() ? std::max(1, settings_.jpeg_quality - kDeltaQualityDrop) : settings_.jpeg_quality;
+  const int drop = id.is_delta() ? kDeltaQualityDrop : id.view == kFallbackView ? kFallbackQualityDrop : 0;
+  return std::max(1, settings_.jpeg_quality - drop);
 }
-
 
 TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
                      const ImpostorSettings& settings)
