@@ -8,9 +8,11 @@
 // complete, whatever has arrived is shown. Once something is shown there is always something.
 //
 // Memory: what the shown and the awaited set need is pinned. If these alone exceed the budget, room is made in this
-// order: texture levels that take more than 1/64 of the budget, of the awaited set, then of the shown one; then the
-// farthest items of whichever of the two holds more than its half. A set is complete without what it gave up, so there
-// is always progress.
+// order: finest texture levels while textures take more than kTextureShare of the budget; then, of whichever of the two
+// holds more than its half, delta tiles from the outermost shell inwards, the other tiles likewise, finest texture
+// levels, chunks and whatever is left. What is near and large on the screen stays: a texture's coarsest level goes last,
+// and nothing displaces what comes after it in this order. A set is complete without what it gave up, so there is
+// always progress.
 //
 // The server sends again at once what it is told has gone and the current set needs. So what a pinned set gave up is
 // withheld from the server until no pinned set needs it, or another set comes to be pinned that does: otherwise it
@@ -41,6 +43,9 @@ class LeafSets {
   /// Sets known at once; beyond it the oldest that are neither shown nor awaited are forgotten. A server counts on
   /// the last eight it has announced.
   static constexpr std::size_t kMaxSets = 32;
+
+  /// Textures up to this share of the budget are worth more than the farthest tiles.
+  static constexpr double kTextureShare = 0.25;
 
   LeafSets(const SceneFrame& frame, std::size_t budget_bytes) : frame_(frame), store_(budget_bytes) {}
 
@@ -86,9 +91,11 @@ class LeafSets {
   void assign_roles();
   bool is_role(const Tracked& set) const { return set && (set == shown_ || set == awaited_ || set == fallback_); }
   bool make_room(const DecodedPayload& payload);
-  bool give_up_one(const PayloadName& arriving);
-  bool give_up_texture_level(const Tracked& set);
-  bool give_up_farthest(const Tracked& set, const Tracked& other, const PayloadName& arriving);
+  bool give_up_one(const DecodedPayload& arriving);
+  bool give_up_texture_level(const Tracked& set, const Tracked& other);
+  bool give_up_least(const Tracked& set, const Tracked& other, const DecodedPayload& arriving);
+  bool give_up_item(const Tracked& set, const Tracked& other, int rank, const DecodedPayload& arriving, bool& is_least);
+  std::size_t texture_bytes() const;
   std::size_t resident_bytes(const TrackedLeafSet& set) const;
   void give_up(ContentHash item);
   bool is_needed_by_role(ContentHash item) const;

@@ -19,7 +19,7 @@ std::vector<std::uint64_t> serials(const LeafView& view) {
   return all;
 }
 
-TEST(LeafSetsMemory, FinestTextureLevelsGoBeforeTiles) {
+TEST(LeafSetsMemory, FinestLevelsOfLargeTexturesGoBeforeTiles) {
   const std::size_t coarse = sizeof(TextureLevel) + 4 * 16 * 16;
   const std::size_t fine = sizeof(TextureLevel) + 4 * 32 * 32;
   LeafSets sets(made::frame(), 2 * made::kTileBytes + coarse + fine + 10);
@@ -38,6 +38,54 @@ TEST(LeafSetsMemory, FinestTextureLevelsGoBeforeTiles) {
   EXPECT_EQ(sets.view()->chunks[0].texture->levels.size(), 1u);
   EXPECT_LE(sets.store().size_bytes(), sets.store().budget_bytes());
   EXPECT_THAT(sets.take_evicted(), IsEmpty()) << "the server would send it again at once";
+}
+
+// A dense scene's tiles once took 99 % of the budget, and the floor beside the viewer lost its texture to them.
+TEST(LeafSetsMemory, SmallTexturesStayHoweverLargeTilesAre) {
+  const std::size_t levels = 2 * sizeof(TextureLevel) + 4 * 4 * 4 + 4 * 8 * 8;
+  LeafSets sets(made::frame(), 6 * made::kTileBytes + levels);
+  LeafSet set = made::leaf_set(1, 0, {1, 2, 3, 4, 5, 6, 7, 8});
+  set.chunks = {{20, 30}};
+  sets.set_eye(made::eye_in(0));
+  sets.announce(set);
+  sets.receive(made::chunk(20));
+  sets.receive(made::texture_level(30, 1, 4));
+  for (const ContentHash key : {8, 7, 6, 5, 4, 3, 2, 1}) sets.receive(made::tile(key));
+  sets.receive(made::texture_level(30, 0, 8));  // last, as the server sends it
+  sets.update(true);
+  ASSERT_EQ(sets.view()->chunks.size(), 1u);
+  EXPECT_EQ(sets.view()->chunks[0].texture->levels.size(), 2u);
+  EXPECT_EQ(sets.view()->tiles.size(), 5u);
+  for (const ContentHash near : {1, 2, 3, 4, 5}) EXPECT_TRUE(sets.store().contains(near));
+}
+
+TEST(LeafSetsMemory, ANewLevelDisplacesAFarTileAndATileNeverALevel) {
+  const std::size_t coarse = sizeof(TextureLevel) + 4 * 4 * 4;
+  LeafSets sets(made::frame(), 8 * made::kTileBytes + coarse);
+  LeafSet set = made::leaf_set(1, 0, {1, 2, 3, 4, 5, 6, 7, 8, 9});
+  set.chunks = {{20, 30}};
+  sets.set_eye(made::eye_in(0));
+  sets.announce(set);
+  sets.receive(made::chunk(20));
+  sets.receive(made::texture_level(30, 1, 4));
+  for (ContentHash key = 1; key <= 7; ++key) sets.receive(made::tile(key));
+  sets.receive(made::texture_level(30, 0, 8));
+  EXPECT_FALSE(sets.store().contains(7));
+  for (const ContentHash key : {8, 9}) sets.receive(made::tile(key));
+  EXPECT_TRUE(sets.store().contains_level(30, 0));
+  EXPECT_TRUE(sets.store().contains(6));
+  EXPECT_FALSE(sets.store().contains(8));
+}
+
+TEST(LeafSetsMemory, DeltaTilesGoBeforeWhatTheyAmend) {
+  LeafSets sets(made::frame(), 3 * made::kTileBytes);
+  sets.set_eye(made::eye_in(0));
+  sets.announce(made::leaf_set(1, 0, {1, 2, 3, 4, 5}));  // 2 and 4 are delta tiles
+  for (const ContentHash key : {1, 2, 3, 4, 5}) sets.receive(key % 2 ? made::tile(key) : made::delta_tile(key));
+  for (const ContentHash key : {1, 3, 5}) EXPECT_TRUE(sets.store().contains(key)) << key;
+  for (const ContentHash key : {2, 4}) EXPECT_FALSE(sets.store().contains(key)) << key;
+  sets.receive(made::delta_tile(4));  // nothing makes room for it
+  EXPECT_FALSE(sets.store().contains(4));
 }
 
 TEST(LeafSetsMemory, FarthestShellsGoFirstAndTheSetIsCompleteWithoutThem) {

@@ -42,6 +42,14 @@ inline DecodedPayload tile(ContentHash key, std::size_t bytes = kTileBytes) {
   return payload;
 }
 
+inline DecodedPayload delta_tile(ContentHash key) {
+  DecodedPayload payload = tile(key);
+  auto delta = std::make_shared<DecodedTile>(*payload.tile);
+  delta->id.view = kIntraView + 1;
+  payload.tile = std::move(delta);
+  return payload;
+}
+
 inline DecodedPayload chunk(ContentHash hash, std::size_t bytes = kTileBytes) {
   auto decoded = std::make_shared<DecodedChunk>();
   decoded->hash = hash;
