@@ -13,8 +13,10 @@
 namespace farfield::client {
 namespace {
 
-constexpr int kPageTexels = 1 << 20;  // 4 MB: 64 dense tiles
+// 1 MB, 16 dense tiles: shapes are many, and a page is freed only with its last tile. Indices fit 16 bits.
+constexpr int kPageTexels = 1 << 18;
 constexpr int kMostLayers = 64;
+constexpr std::uint32_t kShortIndices = 1u << 16;
 constexpr int kDenseLevels = 3;  // 128, 64, 32: more than any display the samples are meant for minifies
 
 int layers_for(const PageShape& shape, int max_layers) {
@@ -43,11 +45,12 @@ ImpostorPage::ImpostorPage(const PageShape& shape, int max_layers, std::uint32_t
       vertex_capacity_(
           std::max(least_vertices, static_cast<std::uint32_t>(layer_count_ * shape.width * shape.height / 16))),
       index_capacity_(std::max(least_indices, 6 * vertex_capacity_)),
+      index_bytes_(vertex_capacity_ <= kShortIndices ? sizeof(std::uint16_t) : sizeof(std::uint32_t)),
       layers_(static_cast<std::uint32_t>(layer_count_)),
       vertices_(vertex_capacity_),
       indices_(index_capacity_),
       vertex_buffer_(Buffer::make(vertex_capacity_ * sizeof(ImpostorVertex))),
-      index_buffer_(Buffer::make(index_capacity_ * sizeof(std::uint32_t))) {
+      index_buffer_(Buffer::make(index_capacity_ * index_bytes_)) {
   memory_bytes_ = vertex_buffer_.size_bytes() + index_buffer_.size_bytes();
   texture_ = TextureName::make();
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.name());
@@ -76,6 +79,14 @@ ImpostorPage::ImpostorPage(const PageShape& shape, int max_layers, std::uint32_t
   glBindVertexArray(0);
 }
 
+template <class Index>
+void ImpostorPage::upload_indices(const DepthMesh& mesh, const Place& place) {
+  std::vector<Index> indices(mesh.indices.size());
+  std::transform(mesh.indices.begin(), mesh.indices.end(), indices.begin(),
+                 [&](std::uint32_t index) { return static_cast<Index>(index + place.first_vertex); });
+  index_buffer_.write(place.first_index * sizeof(Index), std::as_bytes(std::span(indices)));
+}
+
 std::optional<ImpostorPage::Place> ImpostorPage::add(const DepthMesh& mesh, std::uint16_t view) {
   Place place;
   place.vertex_count = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -96,10 +107,12 @@ std::optional<ImpostorPage::Place> ImpostorPage::add(const DepthMesh& mesh, std:
     vertices.push_back({v.u, v.v, v.disparity, sixteenths(v.column), sixteenths(v.row),
                         static_cast<std::uint16_t>(place.layer), view});
   }
-  std::vector<std::uint32_t> indices(mesh.indices);
-  for (std::uint32_t& i : indices) i += place.first_vertex;
   vertex_buffer_.write(place.first_vertex * sizeof(ImpostorVertex), std::as_bytes(std::span(vertices)));
-  index_buffer_.write(place.first_index * sizeof(std::uint32_t), std::as_bytes(std::span(indices)));
+  if (index_bytes_ == sizeof(std::uint16_t)) {
+    upload_indices<std::uint16_t>(mesh, place);
+  } else {
+    upload_indices<std::uint32_t>(mesh, place);
+  }
   upload_texture(mesh, place.layer);
   ++tiles_;
   return place;

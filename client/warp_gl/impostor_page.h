@@ -42,7 +42,7 @@ class ImpostorPage {
     std::uint32_t first_index = 0, index_count = 0;
   };
 
-  /// Room for a few megabytes of texels, and for `least_vertices`, `least_indices` in any case.
+  /// Room for a megabyte of texels, and for `least_vertices`, `least_indices` in any case.
   ImpostorPage(const PageShape& shape, int max_layers, std::uint32_t least_vertices, std::uint32_t least_indices);
 
   /// Uploads a tile's mesh and texture. Returns: nothing if there is no room for it here.
@@ -53,15 +53,20 @@ class ImpostorPage {
 
   const PageShape& shape() const { return shape_; }
   std::size_t memory_bytes() const { return memory_bytes_; }
+  /// 2 or 4: as many as naming every vertex of the page takes.
+  std::size_t index_bytes() const { return index_bytes_; }
   GlName texture() const { return texture_.name(); }
   GlName vertex_array() const { return array_.name(); }
 
  private:
+  template <class Index>
+  void upload_indices(const DepthMesh& mesh, const Place& place);
   void upload_texture(const DepthMesh& mesh, std::uint32_t layer);
 
   PageShape shape_;
   int layer_count_;
   std::uint32_t vertex_capacity_, index_capacity_;
+  std::size_t index_bytes_;
   RangeAllocator layers_, vertices_, indices_;
   Buffer vertex_buffer_, index_buffer_;
   VertexArrayName array_;

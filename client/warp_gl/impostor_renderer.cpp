@@ -82,11 +82,13 @@ void ImpostorRenderer::State::draw_run(std::span<const ResidentTile* const> run)
   glUniform2f(texels_to_unit, 1.0f / (16.0f * static_cast<float>(page.shape().width)),
               1.0f / (16.0f * static_cast<float>(page.shape().height)));
   glUniform1f(side, static_cast<float>(run.front()->side_m));
+  const std::size_t index_bytes = page.index_bytes();
+  const GLenum index_type = index_bytes == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT;
   counts.clear(), offsets.clear();
   for (const ResidentTile* tile : run) {
-    const std::size_t offset = tile->place.first_index * sizeof(std::uint32_t);
+    const std::size_t offset = tile->place.first_index * index_bytes;
     if (!counts.empty() && reinterpret_cast<std::size_t>(offsets.back()) +
-                                   static_cast<std::size_t>(counts.back()) * sizeof(std::uint32_t) ==
+                                   static_cast<std::size_t>(counts.back()) * index_bytes ==
                                offset) {
       counts.back() += static_cast<GLsizei>(tile->place.index_count);
       continue;
@@ -97,13 +99,13 @@ void ImpostorRenderer::State::draw_run(std::span<const ResidentTile* const> run)
   const auto draws = static_cast<GLsizei>(counts.size());
   if (!abilities.has_multi_draw) {
     for (GLsizei i = 0; i < draws; ++i) {
-      glDrawElements(GL_TRIANGLES, counts[static_cast<std::size_t>(i)], GL_UNSIGNED_INT,
+      glDrawElements(GL_TRIANGLES, counts[static_cast<std::size_t>(i)], index_type,
                      offsets[static_cast<std::size_t>(i)]);
     }
   } else if (abilities.is_embedded) {
-    glMultiDrawElementsEXT(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, offsets.data(), draws);
+    glMultiDrawElementsEXT(GL_TRIANGLES, counts.data(), index_type, offsets.data(), draws);
   } else {
-    glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, offsets.data(), draws);
+    glMultiDrawElements(GL_TRIANGLES, counts.data(), index_type, offsets.data(), draws);
   }
 }
 

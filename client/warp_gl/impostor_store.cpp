@@ -60,6 +60,7 @@ bool ImpostorStore::add(const DecodedTile& tile) {
         &pages_.emplace_back(shape, abilities_.max_texture_layers, static_cast<std::uint32_t>(mesh.vertices.size()),
                              static_cast<std::uint32_t>(mesh.indices.size()));
     held_bytes_ += resident.page->memory_bytes();
+    make_room(frame_ - 1);  // not what the last frame drew: it stays on the screen until all of this set is here
     place = resident.page->add(mesh, *view);
   }
   resident.place = *place;
@@ -70,6 +71,10 @@ bool ImpostorStore::add(const DecodedTile& tile) {
 UploadResult ImpostorStore::upload(const LeafView& leaf, std::size_t frame_upload_bytes) {
   UploadResult result;
   ++frame_;
+  // What is wanted and here already must not make room for the rest.
+  for (const auto& tile : leaf.tiles) {
+    if (tile) find(*tile);
+  }
   for (const auto& tile : leaf.tiles) {
     if (!tile || tile->mesh.indices.empty() || find(*tile)) continue;
     const std::uint64_t bytes = upload_bytes(tile->mesh);
@@ -103,11 +108,13 @@ void ImpostorStore::erase(std::unordered_map<std::uint64_t, ResidentTile>::itera
   pages_.remove_if([page](const ImpostorPage& p) { return &p == page; });
 }
 
-void ImpostorStore::evict() {
+void ImpostorStore::evict() { make_room(frame_); }
+
+void ImpostorStore::make_room(std::uint64_t frame) {
   if (held_bytes_ <= budget_bytes_) return;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> unwanted;  // last frame, serial
   for (const auto& [serial, tile] : tiles_) {
-    if (tile.last_frame != frame_) unwanted.emplace_back(tile.last_frame, serial);
+    if (tile.last_frame < frame) unwanted.emplace_back(tile.last_frame, serial);
   }
   std::sort(unwanted.begin(), unwanted.end());
   for (const auto& [last_frame, serial] : unwanted) {

@@ -52,6 +52,8 @@ class ImpostorStore {
  private:
   bool add(const DecodedTile& tile);
   bool is_acceptable(const DepthMesh& mesh) const;
+  /// Evicts tiles last wanted before `frame`, longest unwanted first, while the budget is exceeded.
+  void make_room(std::uint64_t frame);
   void erase(std::unordered_map<std::uint64_t, ResidentTile>::iterator tile);
 
   GlAbilities abilities_;

@@ -203,7 +203,7 @@ TEST_F(ImpostorRendererTest, TilesOutsideTheViewAreNotDrawn) {
   renderer_->upload(leaf_);
   const auto statistics = draw({64, 64, 0.5}, {kCentre, {1, 0, 0, 0}});
   EXPECT_EQ(statistics.tiles_drawn, 4u);  // one face of six
-  EXPECT_EQ(statistics.draw_calls, 1u);
+  EXPECT_LE(statistics.draw_calls, 4u);  // unsimplified tiles fill a page each
   EXPECT_EQ(statistics.triangles_held, 24u * 2 * 127 * 127);
 }
 
@@ -221,23 +221,29 @@ TEST_F(ImpostorRendererTest, UploadsWithinTheFramesBudget) {
   EXPECT_EQ(draw({16, 16, 1.0}, {kCentre, {1, 0, 0, 0}}).missing_tiles, 0u);
 }
 
-TEST_F(ImpostorRendererTest, EvictsWhatNoFrameWants) {
-  make_renderer({std::size_t{40} << 20});
+TEST_F(ImpostorRendererTest, EvictsWhatNoFrameWantsBeforeANewSetTakesItsPlace) {
   const Display display{16, 16, 1.0};
-  std::size_t most = 0;
-  for (int place = 0; place < 12; ++place) {
+  // Each tile's texture has another shape, so each needs a page of its own.
+  const auto show = [&](int set) {
     leaf_.tiles.clear();
-    // Each view's texture has another shape, so each needs a page of its own.
-    auto tile = decoded(room_tile(kCentre, 5, 1, 0, 0), kCentre, 0, ++serial_);
-    tile->mesh.width = 32 * (place + 5);
-    tile->mesh.rgb.assign(3u * static_cast<std::size_t>(tile->mesh.width * tile->mesh.height), 100);
-    leaf_.tiles.push_back(tile);
+    for (int k = 0; k < 4; ++k) {
+      auto tile = decoded(room_tile(kCentre, 5, 1, 0, 0), kCentre, 0, ++serial_);
+      tile->mesh.width = 32 * (4 * set + k + 5);
+      tile->mesh.rgb.assign(3u * static_cast<std::size_t>(tile->mesh.width * tile->mesh.height), 100);
+      leaf_.tiles.push_back(tile);
+    }
     EXPECT_TRUE(renderer_->upload(leaf_).is_complete);
-    draw(display, {kCentre, {1, 0, 0, 0}});
-    most = std::max(most, renderer_->held_bytes());
+  };
+  show(0);
+  const std::size_t one = renderer_->held_bytes();
+  EXPECT_GT(one, std::size_t{4} << 20);
+  make_renderer({2 * one});
+  for (int set = 0; set < 5; ++set) {
+    show(set);
+    EXPECT_LE(renderer_->held_bytes(), 2 * one + one / 2) << "set " << set << ", still beside the one on the screen";
+    EXPECT_EQ(draw(display, {kCentre, {1, 0, 0, 0}}).missing_tiles, 0u);
+    EXPECT_LE(renderer_->held_bytes(), 2 * one);
   }
-  EXPECT_GT(most, std::size_t{10} << 20);
-  EXPECT_LE(renderer_->held_bytes(), std::size_t{40} << 20);
 }
 
 TEST_F(ImpostorRendererTest, MeshesThatLieAreRefused) {
