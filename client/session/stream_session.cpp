@@ -83,7 +83,9 @@ ServerLink::Events StreamSession::link_events() {
 
 void StreamSession::set_state(ClientState state, const Error& error) {
   const std::lock_guard lock(board_.mutex);
-  if (state == ClientState::kStreaming && board_.status.state == ClientState::kReconnecting) ++figures_.reconnects;
+  if (state == ClientState::kStreaming && board_.status.state == ClientState::kReconnecting) {
+    board_.statistics.reconnects = ++figures_.reconnects;  // together with the state: who sees one sees the other
+  }
   board_.status.state = state;
   if (!error.message.empty()) board_.status.error = error;
   board_.changed.notify_all();
