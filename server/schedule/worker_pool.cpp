@@ -21,12 +21,39 @@ WorkerPool::WorkerPool(JobQueue& queue, int threads, SecondsClock clock) : queue
 
 WorkerPool::~WorkerPool() {
   queue_.close();
+  const std::scoped_lock lock(mutex_);
+  is_closing_ = true;
+  changed_.notify_all();
+}
+
+void WorkerPool::pause() {
+  std::unique_lock lock(mutex_);
+  ++pauses_;
+  changed_.wait(lock, [this] { return busy_ == 0; });
+}
+
+void WorkerPool::resume() {
+  const std::scoped_lock lock(mutex_);
+  --pauses_;
+  changed_.notify_all();
+}
+
+void WorkerPool::begin_job() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return pauses_ == 0 || is_closing_; });
+  ++busy_;
+}
+
+void WorkerPool::end_job() {
+  const std::scoped_lock lock(mutex_);
+  --busy_;
+  changed_.notify_all();
 }
 
 void WorkerPool::work() {
   while (JobQueue::Job job = queue_.take()) {
+    begin_job();
     const double begun_s = clock_();
-    ++busy_;
     try {
       job();
     } catch (...) {
@@ -34,7 +61,7 @@ void WorkerPool::work() {
       ++failed_;
     }
     job = nullptr;  // what the job holds is part of its time
-    --busy_;
+    end_job();
     busy_nanoseconds_ += static_cast<std::uint64_t>(std::llround(std::max(clock_() - begun_s, 0.0) * 1e9));
     ++jobs_;
   }
@@ -45,8 +72,9 @@ CastPool::CastPool(int threads, std::size_t queue_capacity, SecondsClock clock)
       pool_(queue_, threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), clock) {}
 
 PoolStatistics WorkerPool::statistics() const {
+  const std::scoped_lock lock(mutex_);
   return {.threads = static_cast<int>(threads_.size()),
-          .busy = busy_.load(),
+          .busy = busy_,
           .jobs = jobs_.load(),
           .failed = failed_.load(),
           .busy_seconds = static_cast<double>(busy_nanoseconds_.load()) * 1e-9};

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -29,14 +31,24 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
+  /// Begins no further job and waits for those that run, so that what is measured beside the pool has the machine to
+  /// itself. Calls nest; each is followed by one of resume().
+  void pause();
+  void resume();
+
   PoolStatistics statistics() const;
 
  private:
   void work();
+  void begin_job();
+  void end_job();
 
   JobQueue& queue_;
   const SecondsClock clock_;
-  std::atomic<int> busy_{0};
+  mutable std::mutex mutex_;  // guards the next three
+  std::condition_variable changed_;
+  int busy_ = 0, pauses_ = 0;
+  bool is_closing_ = false;
   std::atomic<std::uint64_t> jobs_{0}, failed_{0}, busy_nanoseconds_{0};
   std::vector<std::jthread> threads_;  // last: its destructor joins while the rest still stands
 };
@@ -52,6 +64,8 @@ class CastPool {
   JobQueue& queue() { return queue_; }
   QueueStatistics queue_statistics() const { return queue_.statistics(); }
   PoolStatistics pool_statistics() const { return pool_.statistics(); }
+  void pause() { pool_.pause(); }
+  void resume() { pool_.resume(); }
 
  private:
   JobQueue queue_;

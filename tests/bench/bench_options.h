@@ -38,7 +38,6 @@ struct ClientRole {
   std::size_t frames = 0;
   Display display;
   int samples = 1;
-  int cut_after_frames = -1;
 };
 
 struct ParsedCommand {

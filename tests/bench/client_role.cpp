@@ -13,6 +13,7 @@
 #include "client/session/client_core.h"
 #include "common/base/one_line.h"
 #include "common/trace/trace_file.h"
+#include "tests/bench/client_process.h"
 #include "tests/bench/frame_dump.h"
 
 namespace farfield::bench {
@@ -51,8 +52,10 @@ class Walker {
       if (!view) return tl::unexpected(view.error());
       if (k == 0) walk.entry_seconds = seconds_since(start);
       client::Frame frame;
+      wait_for_quiet();
       renderer_.render(*view, eye, frame);
       const client::FrameReport report = renderer_.render(*view, eye, frame);
+      std::cout << kGoOn << std::endl;
       core_.count_frame(view->get(), eye.position);
       record(walk, report, frame);
       if (Status status = write_frame(frame_path(role_.folder, k), sampled->frames[k].pose, frame); !status) return tl::unexpected(status.error());
@@ -99,6 +102,16 @@ class Walker {
   }
 
  private:
+  /// The server begins nothing more; what was on its way is given the time of a few frames to arrive and be decoded.
+  void wait_for_quiet() {
+    std::cout << kQuiet << std::endl;
+    for (std::string line; std::getline(std::cin, line) && line != kIsQuiet;) {
+    }
+    std::uint64_t seen = 0;
+    for (int glances = 0; glances < 100 && core_.statistics().bytes_in != std::exchange(seen, core_.statistics().bytes_in); ++glances)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+
   static void record(Walk& walk, const client::FrameReport& report, const client::Frame& frame) {
     walk.frame_ms.push_back(report.times.total_ms);
     walk.triangles.push_back(report.near.triangles + frame.statistics.triangles_drawn);

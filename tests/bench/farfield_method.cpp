@@ -2,11 +2,8 @@
 #include "tests/bench/farfield_method.h"
 
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +12,7 @@
 #include "server/encode/tile_maker.h"
 #include "server/session/server.h"
 #include "server/store/memory_tile_store.h"
+#include "tests/bench/client_process.h"
 #include "tests/bench/distribution.h"
 #include "tests/bench/judge.h"
 #include "tests/bench/warp_error.h"
@@ -41,41 +39,6 @@ class ScratchFolder {
   explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
   std::filesystem::path path_;
 };
-
-// Starts this program again as a client and returns the JSON that it prints.
-Result<nlohmann::json> run_client(const World& world, const Endpoint& endpoint, const std::string& renderer,
-                                  const std::string& mode, const std::filesystem::path& folder) {
-  const Display& d = world.options.display;
-  const std::vector<std::string> words{"farfield-bench", "--role", "client", "--endpoint", to_string(endpoint), "--renderer", renderer,
-                                       "--mode", mode, "--folder", folder.string(), "--trace", world.options.trace.string(),
-                                       "--frames", std::to_string(world.poses.size()), "--size", fmt::format("{}x{}", d.width, d.height),
-                                       "--fovy", fmt::format("{:.12g}", d.fovy_rad * 180 / 3.14159265358979323846),
-                                       "--client-samples", std::to_string(world.options.client_samples)};
-  int pipe_ends[2];
-  if (pipe(pipe_ends) != 0) return fail(ErrorCode::kIo, "no pipe to the client process");
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  const pid_t child = fork();
-  if (child < 0) return fail(ErrorCode::kIo, "the client process cannot be started");
-  if (child == 0) {
-    dup2(pipe_ends[1], STDOUT_FILENO);
-    close(pipe_ends[0]), close(pipe_ends[1]);
-    execv("/proc/self/exe", arguments.data());
-    _exit(127);
-  }
-  close(pipe_ends[1]);
-  std::string text;
-  std::array<char, 65536> buffer;
-  for (ssize_t got; (got = read(pipe_ends[0], buffer.data(), buffer.size())) > 0;) text.append(buffer.data(), static_cast<std::size_t>(got));
-  close(pipe_ends[0]);
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return fail(ErrorCode::kUnavailable, "{} {}: the client failed (its own line says why)", renderer, mode);
-  nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
-  if (json.is_discarded()) return fail(ErrorCode::kBadData, "the client's report is not JSON");
-  return json;
-}
 
 struct Serving {
   std::shared_ptr<MemoryTileStore> store;
@@ -179,7 +142,8 @@ Result<MethodResult> run_farfield(const World& world, const std::string& rendere
       if (!started) return tl::unexpected(started.error());
       proxy = std::move(*started);
     }
-    const auto client = run_client(world, is_linked ? proxy->endpoint() : (*serving)->server->endpoint(), renderer, mode, folder->path());
+    const Endpoint endpoint = is_linked ? proxy->endpoint() : (*serving)->server->endpoint();
+    const auto client = run_client(world, {endpoint, renderer, mode, folder->path()}, *(*serving)->pool);
     if (!client) return tl::unexpected(client.error());
     const std::vector<double> frame_ms = (*client)["frame_ms"].get<std::vector<double>>();
     result.client_rss_mb = std::max(std::isnan(result.client_rss_mb) ? 0 : result.client_rss_mb, number(*client, "peak_rss_mb"));

@@ -40,6 +40,38 @@ TEST(WorkerPool, CountsWorkedSeconds) {
   }
 }
 
+TEST(WorkerPool, PausesBetweenJobs) {
+  CastPool pool(2);
+  std::atomic<int> begun{0}, ended{0};
+  std::latch first(1), all(5);
+  pool.queue().push({}, [&] {
+    ++begun;
+    first.count_down();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    ++ended;
+  });
+  first.wait();
+  pool.pause();
+  EXPECT_EQ(ended, 1);  // it waited for the job that ran
+  for (int i = 0; i < 5; ++i) {
+    pool.queue().push({}, [&] {
+      ++begun;
+      all.count_down();
+    });
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(begun, 1);
+  pool.resume();
+  all.wait();
+  EXPECT_EQ(begun, 6);
+}
+
+TEST(WorkerPool, EndsWhilePaused) {
+  CastPool pool(2);
+  pool.pause();
+  pool.queue().push({}, [] {});
+}
+
 TEST(WorkerPool, DestructionWaitsForTheRunningJobAndDropsTheRest) {
   std::atomic<int> ran{0};
   std::latch begun(1);

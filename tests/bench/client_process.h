@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The measured client as a child process, seen from the benchmark.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "common/net/endpoint.h"
+#include "server/schedule/worker_pool.h"
+#include "tests/bench/world.h"
+
+namespace farfield::bench {
+
+/// What the two processes say to each other, a line each, on the client's standard output and input. Between kQuiet's
+/// answer and kGoOn the server makes nothing: on one machine its rays would be counted as the client's frame time.
+inline constexpr const char* kQuiet = "quiet";
+inline constexpr const char* kIsQuiet = "is quiet";
+inline constexpr const char* kGoOn = "go on";
+
+struct ClientRun {
+  Endpoint endpoint;
+  std::string renderer, mode;
+  std::filesystem::path folder;  // for the dumped frames
+};
+
+/// Starts this program again as a client and waits for it. `pool` pauses while the client asks for quiet.
+/// Returns: the JSON object that is the last line it prints. Errors: kUnavailable after the client's own line on stderr.
+Result<nlohmann::json> run_client(const World& world, const ClientRun& run, CastPool& pool);
+
+}  // namespace farfield::bench
