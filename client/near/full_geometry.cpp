@@ -163,14 +163,14 @@ FullGeometryStatistics FullGeometryRenderer::draw(const ViewTransform& view, boo
   FullGeometryStatistics statistics;
   s.textures.begin_frame();
   begin_scene_drawing(s.abilities);
-  s.programs.begin_frame(view, s.origin, DepthConvention::of(s.abilities), glm::vec3(0), glm::vec3(0));
+  s.programs.begin_frame(view, s.origin, DepthConvention::of(s.abilities));
   glActiveTexture(GL_TEXTURE0);
   for (const GeometryBuffer& buffer : s.buffers) {
     s.collect_runs(buffer, view, is_culled, statistics);
     if (s.counts.empty()) continue;
     const GlName texture = buffer.texture ? s.textures.use(*buffer.texture) : 0;
     glBindTexture(GL_TEXTURE_2D, texture);
-    s.programs.use({texture != 0, texture != 0 && buffer.is_alpha_masked, false}, buffer.alpha_cutoff);
+    s.programs.use({texture != 0, texture != 0 && buffer.is_alpha_masked}, buffer.alpha_cutoff);
     glBindVertexArray(buffer.array.name());
     statistics.draw_calls += s.draw_runs();
   }

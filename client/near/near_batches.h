@@ -19,13 +19,12 @@ struct MergedChunk {
   std::uint32_t first_index = 0, index_count = 0;
 };
 
-/// Chunks of one texture and mask, either all inside the near region or all crossing its border.
+/// Chunks of one texture and mask.
 struct NearBatch {
   ContentHash texture = 0;         // content hash, 0: none
   std::uint32_t placed_chunk = 0;  // an index into LeafView::chunks: where to find the texture
   bool is_alpha_masked = false;
   float alpha_cutoff = 0.5f;
-  bool is_cut = false;
   std::vector<MergedChunk> chunks;  // in the leaf set's order
 };
 
@@ -35,7 +34,7 @@ struct NearBatches {
   std::vector<NearBatch> batches;
 };
 
-/// Chunks entirely outside the near region are left out.
+/// Cut at the border of the near region; chunks entirely outside it are left out.
 NearBatches near_batches(const LeafView& leaf);
 
 }  // namespace farfield::client

@@ -12,48 +12,45 @@ namespace {
 
 constexpr const char* kVertexBody = R"(
 layout(location = 0) in vec3 position;
+invariant gl_Position;  // drawing with GL_EQUAL must meet the depth another variant left
+#ifndef DEPTH_ONLY
 layout(location = 1) in vec3 radiance;
+out vec3 surface_radiance;
+#endif
 layout(location = 2) in vec2 uv;
 uniform vec3 eye;
 uniform mat3 camera_from_frame;
 uniform vec2 inverse_tangents;
 uniform vec2 depth;  // DepthConvention: scale times near plane, bias
-out vec3 surface_radiance;
 #ifdef TEXTURED
 out vec2 surface_uv;
-#endif
-#ifdef CUT
-out vec3 surface_position;
 #endif
 void main() {
   vec3 q = camera_from_frame * (position - eye);
   float w = -q.z;
   gl_Position = vec4(q.xy * inverse_tangents, depth.x - depth.y * w, w);
+#ifndef DEPTH_ONLY
   surface_radiance = radiance;
+#endif
 #ifdef TEXTURED
   surface_uv = uv;
-#endif
-#ifdef CUT
-  surface_position = position;
 #endif
 }
 )";
 
 // The level of detail is common/shading's mip_level: from the area, not the longer axis, of a pixel's footprint.
 constexpr const char* kFragmentBody = R"(
+#ifndef DEPTH_ONLY
 in vec3 surface_radiance;
+layout(location = 0) out vec4 colour;
+#endif
 #ifdef TEXTURED
 in vec2 surface_uv;
 uniform highp sampler2D surface_texture;
 uniform float alpha_cutoff;
 #endif
-#ifdef CUT
-in vec3 surface_position;
-uniform vec3 cut_min;
-uniform vec3 cut_max;
-#endif
-layout(location = 0) out vec4 colour;
 void main() {
+#ifndef DEPTH_ONLY
   vec3 result = surface_radiance;
 #ifdef TEXTURED
   vec2 dx = dFdx(surface_uv);
@@ -64,14 +61,11 @@ void main() {
   vec4 texel = textureLod(surface_texture, surface_uv, level);
   result *= texel.rgb;
 #endif
+  colour = vec4(result, 1.0);
+#endif
 #ifdef MASKED
   if (textureLod(surface_texture, surface_uv, 0.0).a < alpha_cutoff) discard;
 #endif
-#ifdef CUT
-  // Half-open, as Box::contains.
-  if (any(lessThan(surface_position, cut_min)) || any(greaterThanEqual(surface_position, cut_max))) discard;
-#endif
-  colour = vec4(result, 1.0);
 }
 )";
 
@@ -80,12 +74,13 @@ void main() {
 Result<SurfacePrograms> SurfacePrograms::build() {
   SurfacePrograms result;
   for (int i = 0; i < static_cast<int>(result.variants_.size()); ++i) {
-    const bool is_textured = i & 1, is_masked = i & 2, is_cut = i & 4;
+    const bool is_textured = i & 1, is_masked = i & 2, is_depth_only = i & 4;
     if (is_masked && !is_textured) continue;
+    if (is_depth_only && is_textured && !is_masked) continue;
     std::string head = "#version 300 es\nprecision highp float;\n";
     if (is_textured) head += "#define TEXTURED\n";
     if (is_masked) head += "#define MASKED\n";
-    if (is_cut) head += "#define CUT\n";
+    if (is_depth_only) head += "#define DEPTH_ONLY\n";
     Result<Program> program = Program::build("near geometry", head + kVertexBody, head + kFragmentBody);
     if (!program) return tl::unexpected<Error>(program.error());
     Variant& v = result.variants_[static_cast<std::size_t>(i)];
@@ -94,8 +89,6 @@ Result<SurfacePrograms> SurfacePrograms::build() {
     v.camera_from_frame = v.program.uniform("camera_from_frame");
     v.inverse_tangents = v.program.uniform("inverse_tangents");
     v.depth = v.program.uniform("depth");
-    v.cut_min = v.program.uniform("cut_min");
-    v.cut_max = v.program.uniform("cut_max");
     v.cutoff = v.program.uniform("alpha_cutoff");
     v.program.use();
     glUniform1i(v.program.uniform("surface_texture"), 0);
@@ -104,12 +97,11 @@ Result<SurfacePrograms> SurfacePrograms::build() {
 }
 
 void SurfacePrograms::begin_frame(const ViewTransform& view, const glm::dvec3& frame_centre,
-                                  const DepthConvention& depth, const glm::vec3& cut_min, const glm::vec3& cut_max) {
+                                  const DepthConvention& depth) {
   frame_.eye = glm::vec3(view.eye - frame_centre);
   frame_.camera_from_frame = glm::mat3(view.camera_from_scene);
   frame_.inverse_tangents = {1 / view.tan_x, 1 / view.tan_y};
   frame_.depth = {depth.scale * view.near_plane_m, depth.bias};
-  frame_.cut_min = cut_min, frame_.cut_max = cut_max;
   for (Variant& v : variants_) v.is_current = false;
 }
 
@@ -123,8 +115,6 @@ void SurfacePrograms::use(const SurfaceVariant& variant, float alpha_cutoff) {
   glUniformMatrix3fv(v.camera_from_frame, 1, GL_FALSE, glm::value_ptr(frame_.camera_from_frame));
   glUniform2fv(v.inverse_tangents, 1, glm::value_ptr(frame_.inverse_tangents));
   glUniform2fv(v.depth, 1, glm::value_ptr(frame_.depth));
-  glUniform3fv(v.cut_min, 1, glm::value_ptr(frame_.cut_min));
-  glUniform3fv(v.cut_max, 1, glm::value_ptr(frame_.cut_max));
 }
 
 VertexArrayName make_surface_vertex_array(const Buffer& vertices, const Buffer& indices) {

@@ -16,9 +16,11 @@ namespace farfield::client {
 struct SurfaceVariant {
   bool is_textured = false;
   bool is_alpha_masked = false;  // requires a texture
-  bool is_cut = false;           // fragments outside the cut box are dropped
+  bool is_depth_only = false;    // textured only where it is masked
 
-  int index() const { return (is_textured ? 1 : 0) + (is_alpha_masked ? 2 : 0) + (is_cut ? 4 : 0); }
+  int index() const {
+    return (is_textured ? 1 : 0) + (is_alpha_masked ? 2 : 0) + (is_depth_only ? 4 : 0);
+  }
 };
 
 /// Alpha of near geometry in the frame target; impostors use one code less. Empty pixels are 0.
@@ -29,24 +31,21 @@ class SurfacePrograms {
  public:
   static Result<SurfacePrograms> build();
 
-  /// Sets what is the same for a whole frame. `frame_centre`: scene position the vertices are relative to;
-  /// `cut_min`, `cut_max`: the half-open box relative to it.
-  void begin_frame(const ViewTransform& view, const glm::dvec3& frame_centre, const DepthConvention& depth,
-                   const glm::vec3& cut_min, const glm::vec3& cut_max);
+  /// Sets what is the same for a whole frame. `frame_centre`: scene position the vertices are relative to.
+  void begin_frame(const ViewTransform& view, const glm::dvec3& frame_centre, const DepthConvention& depth);
   /// Selects a variant; `alpha_cutoff` matters for masked ones. The texture is the caller's, on unit 0.
   void use(const SurfaceVariant& variant, float alpha_cutoff);
 
  private:
   struct Variant {
     Program program;
-    int eye = -1, camera_from_frame = -1, inverse_tangents = -1, depth = -1, cut_min = -1, cut_max = -1, cutoff = -1;
+    int eye = -1, camera_from_frame = -1, inverse_tangents = -1, depth = -1, cutoff = -1;
     bool is_current = false;  // holds this frame's values
   };
   struct FrameValues {
     glm::vec3 eye{0};
     glm::mat3 camera_from_frame{1};
     glm::vec2 inverse_tangents{1}, depth{0};
-    glm::vec3 cut_min{0}, cut_max{0};
   };
   std::array<Variant, 8> variants_;
   FrameValues frame_;
