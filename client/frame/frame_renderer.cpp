@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
 
 #include "client/frame/resolve_gl_frame.h"
 #include "client/gl/framebuffer.h"
@@ -50,6 +49,7 @@ struct FrameRenderer::State {
   FrameOptions options;
   std::unique_ptr<GlContext> own_context;  // destroyed last
   GlAbilities abilities;
+  bool is_software = false;  // OpenGL without a GPU
   Framebuffer target;
   std::unique_ptr<NearRenderer> near;
   std::unique_ptr<ImpostorRenderer> impostors;  // kGl
@@ -75,24 +75,31 @@ Status FrameRenderer::State::make_target(const Display& size) {
 
 void FrameRenderer::State::render_cpu(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report) {
   Lap lap;
-  std::optional<NearLayer> near_layer;
-  if (!leaf.chunks.empty()) {
-    const double near_plane = near_plane_of(leaf, abilities);
-    target.begin();
-    report.near = near->draw(
-        leaf, ViewTransform::of(near_display(renderer, display, options.samples_per_pixel), eye, near_plane));
-    glFinish();
-    report.times.near_ms = lap();
-    const std::size_t pixels = static_cast<std::size_t>(target.width()) * static_cast<std::size_t>(target.height());
-    colour.resize(4 * pixels);
-    depth.resize(pixels);
-    target.read_colour(colour);
-    target.read_depth(depth);
-    near_layer.emplace(NearLayer{target.width(), target.height(), colour, depth, static_cast<float>(1.0 / near_plane)});
-    report.times.read_back_ms = lap();
+  if (leaf.chunks.empty()) {
+    warper->draw(leaf, eye, display, nullptr, frame);
+    report.times.impostors_ms = lap();
+    return;
   }
-  warper->draw(leaf, eye, display, near_layer ? &*near_layer : nullptr, frame);
+  const double near_plane = near_plane_of(leaf, abilities);
+  target.begin();
+  report.near =
+      near->draw(leaf, ViewTransform::of(near_display(renderer, display, options.samples_per_pixel), eye, near_plane));
+  // A GPU draws while the impostors are warped; without one, both would only take each other's cores and caches.
+  is_software ? glFinish() : glFlush();
+  report.times.near_ms = lap();
+  warper->scatter(leaf, eye, display);
   report.times.impostors_ms = lap();
+  glFinish();
+  report.times.near_ms += lap();
+  const std::size_t pixels = static_cast<std::size_t>(target.width()) * static_cast<std::size_t>(target.height());
+  colour.resize(4 * pixels);
+  depth.resize(pixels);
+  target.read_colour(colour);
+  target.read_depth(depth);
+  report.times.read_back_ms = lap();
+  const NearLayer near_layer{target.width(), target.height(), colour, depth, static_cast<float>(1.0 / near_plane)};
+  warper->finish(&near_layer, frame);
+  report.times.impostors_ms += lap();
 }
 
 void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report) {
@@ -102,7 +109,7 @@ void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Fram
   target.begin();
   report.near = near->draw(leaf, view);
   // Waiting here would only serve the clock: without a GPU it costs nothing, with one it would idle it.
-  if (abilities.renderer.find("llvmpipe") != std::string::npos) glFinish();
+  if (is_software) glFinish();
   report.times.near_ms = lap();
   report.impostors = impostors->draw(leaf, view);
   target.resolve();
@@ -146,6 +153,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, 
     context = s.own_context.get();
   }
   s.abilities = context->abilities();
+  s.is_software = s.abilities.renderer.find("llvmpipe") != std::string::npos;
   if (Status made = s.make_target(display); !made) return tl::unexpected<Error>(made.error());
   Result<std::unique_ptr<NearRenderer>> near = NearRenderer::create(s.abilities, options.near);
   if (!near) return tl::unexpected<Error>(near.error());

@@ -38,7 +38,7 @@ struct FrameOptions {
 
 /// Milliseconds by part; each part ends with its results in memory.
 struct FrameTimes {
-  double near_ms = 0;       // upload and draw near geometry
+  double near_ms = 0;       // upload and draw near geometry (kCpu: without what overlaps with the impostors)
   double impostors_ms = 0;  // upload and draw impostors (kCpu: with cracks and voids)
   double read_back_ms = 0;
   double resolve_ms = 0;  // kGl: classes, cracks, voids

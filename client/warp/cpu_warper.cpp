@@ -16,6 +16,7 @@
 #include "client/warp/splat_key.h"
 
 namespace farfield::client {
+
 namespace {
 
 /// A band's keys take at most this much: half a second-level cache. Runs that cross bands are projected in each.
@@ -29,21 +30,25 @@ struct TileJob {
   TileFootprint footprint;
 };
 
-/// Writes the near layer's keys, or nothing, into rows of the key buffer. `scale`: frame pixels per layer pixel.
-void begin_rows(const NearLayer* near, int width, int first_row, int last_row, int scale, std::uint64_t* keys) {
-  const auto stride = static_cast<std::size_t>(width);
-  if (!near) {
-    std::fill(keys + first_row * stride, keys + last_row * stride, kNoSplat);
-    return;
-  }
+/// Merges the near layer into rows of the key buffer. `scale`: frame pixels per layer pixel.
+void merge_near(const NearLayer& near, int width, int first_row, int last_row, int scale, std::uint64_t* keys) {
+  const auto stride = static_cast<std::size_t>(width), columns = static_cast<std::size_t>(near.width);
+  std::vector<std::uint32_t> colours(columns);  // byte arrays may not be read as words
+  std::vector<std::uint64_t> layer(columns);
+  const float disparity_scale = near.disparity_scale;
   for (int y = first_row; y < last_row; ++y) {
-    const std::size_t from = static_cast<std::size_t>(y / scale) * near->width;
-    for (int x = 0; x < width; ++x) {
-      const std::size_t at = from + x / scale;
-      std::uint32_t colour;
-      std::memcpy(&colour, &near->rgba[4 * at], 4);
-      const float disparity = near->disparity[at] * near->disparity_scale;
-      keys[y * stride + x] = disparity > 0 ? near_key(disparity, colour) : kNoSplat;
+    const std::size_t from = static_cast<std::size_t>(y / scale) * columns;
+    std::memcpy(colours.data(), &near.rgba[4 * from], 4 * columns);
+    const float* __restrict disparities = &near.disparity[from];
+    for (std::size_t x = 0; x < columns; ++x) {
+      const float disparity = disparities[x] * disparity_scale;
+      layer[x] = disparity > 0 ? near_key(disparity, colours[x]) : kNoSplat;
+    }
+    std::uint64_t* __restrict row = keys + y * stride;
+    if (scale == 1) {
+      for (std::size_t x = 0; x < stride; ++x) row[x] = row[x] < layer[x] ? layer[x] : row[x];
+    } else {
+      for (int x = 0; x < width; ++x) row[x] = std::max(row[x], layer[static_cast<std::size_t>(x / scale)]);
     }
   }
 }
@@ -63,15 +68,22 @@ struct CpuWarper::State {
   explicit State(const CpuWarperOptions& chosen)
       : options(chosen), arena(chosen.threads > 0 ? chosen.threads : tbb::task_arena::automatic) {}
 
-  void draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near, Frame& frame);
-  void find_jobs(const LeafView& leaf, const Pose& eye, const Display& display, FrameStatistics& statistics);
+  void scatter(const LeafView& leaf, const Pose& eye, const Display& shown);
+  void finish(const NearLayer* near, Frame& frame);
+  void resolve(const NearLayer* near, Frame& frame);
+  void find_jobs(const LeafView& leaf, const Pose& eye);
   template <class F>
   void for_each_band(int width, int height, F&& f);
 
   CpuWarperOptions options;
   tbb::task_arena arena;
+  // From scatter() to finish():
+  Display display;  // 2×2 samples are drawn as so many pixels
   std::vector<std::uint64_t> keys;
   std::vector<TileJob> jobs;
+  SkyTest sky;
+  std::uint32_t background = 0;  // 0x00BBGGRR
+  FrameStatistics statistics;
   Frame fine;  // of the 2×2 samples
 };
 
@@ -85,9 +97,9 @@ void CpuWarper::State::for_each_band(int width, int height, F&& f) {
       tbb::simple_partitioner());
 }
 
-void CpuWarper::State::find_jobs(const LeafView& leaf, const Pose& eye, const Display& display,
-                                 FrameStatistics& statistics) {
+void CpuWarper::State::find_jobs(const LeafView& leaf, const Pose& eye) {
   jobs.clear();
+  statistics = {};
   for (const auto& tile : leaf.tiles) {
     TileJob job;
     job.splats = &tile->splats;
@@ -100,35 +112,55 @@ void CpuWarper::State::find_jobs(const LeafView& leaf, const Pose& eye, const Di
   }
 }
 
-void CpuWarper::State::draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near,
-                            Frame& frame) {
-  const int scale = near && near->width < display.width ? display.width / near->width : 1;
-  assert(!near || (near->width * scale == display.width && near->height * scale == display.height));
-  begin_frame(frame, display.width, display.height);
-  keys.resize(frame.pixels());
-  find_jobs(leaf, eye, display, frame.statistics);
-
-  for_each_band(frame.width, frame.height, [&](int first_row, int last_row) {
-    begin_rows(near, frame.width, first_row, last_row, scale, keys.data());
-    const PixelWindow window{frame.width, first_row, last_row};
+void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Display& shown) {
+  display = shown;
+  if (options.samples_per_pixel == 4) display.width *= 2, display.height *= 2;
+  find_jobs(leaf, eye);
+  sky = SkyTest(leaf.background_visible ? leaf.sky : DirectionMask(), glm::dmat3(glm::mat3_cast(eye.world_from_camera)),
+                display);
+  background = leaf.background.r | leaf.background.g << 8 | leaf.background.b << 16;
+  const auto stride = static_cast<std::size_t>(display.width);
+  keys.resize(stride * static_cast<std::size_t>(display.height));
+  for_each_band(display.width, display.height, [&](int first_row, int last_row) {
+    std::fill(keys.data() + first_row * stride, keys.data() + last_row * stride, kNoSplat);
+    const PixelWindow window{display.width, first_row, last_row};
     for (const TileJob& job : jobs) {
       if (job.footprint.last_row < first_row || job.footprint.first_row >= last_row) continue;
       scatter_tile(*job.splats, job.projection, window, options.kernel, keys.data());
     }
   });
+}
 
-  const std::uint32_t background = leaf.background.r | leaf.background.g << 8 | leaf.background.b << 16;
+void CpuWarper::State::resolve(const NearLayer* near, Frame& frame) {
+  begin_frame(frame, display.width, display.height);
+  frame.statistics = statistics;
+  if (near) {
+    const int scale = display.width / near->width;
+    assert(near->width * scale == display.width && near->height * scale == display.height);
+    for_each_band(frame.width, frame.height, [&](int first_row, int last_row) {
+      merge_near(*near, frame.width, first_row, last_row, scale, keys.data());
+    });
+  }
   std::atomic<std::uint64_t> cracks{0}, uncovered{0};
   for_each_band(frame.width, frame.height, [&](int first_row, int last_row) {
     const ResolveCounts counts = resolve_rows(keys.data(), first_row, last_row, background, frame);
     cracks += counts.crack_pixels;
     uncovered += counts.uncovered_pixels;
   });
-  const SkyTest sky{leaf.background_visible ? leaf.sky : DirectionMask(), glm::dmat3(glm::mat3_cast(eye.world_from_camera)), display};
   const int radius = options.samples_per_pixel == 4 ? 2 * kVoidRadius : kVoidRadius;
   frame.statistics.crack_pixels = cracks;
   frame.statistics.void_pixels = uncovered > 0 ? fill_voids(frame, sky, radius) : 0;
   frame.statistics.background_pixels = uncovered - frame.statistics.void_pixels;
+}
+
+void CpuWarper::State::finish(const NearLayer* near, Frame& frame) {
+  if (options.samples_per_pixel != 4) {
+    resolve(near, frame);
+    return;
+  }
+  resolve(near, fine);
+  frame.statistics = fine.statistics;
+  average_samples(fine, frame);
 }
 
 CpuWarper::CpuWarper(const CpuWarperOptions& options) : state_(std::make_unique<State>(options)) {
@@ -136,22 +168,19 @@ CpuWarper::CpuWarper(const CpuWarperOptions& options) : state_(std::make_unique<
 }
 CpuWarper::~CpuWarper() = default;
 
+void CpuWarper::scatter(const LeafView& leaf, const Pose& eye, const Display& display) {
+  assert(display.width > 0 && display.height > 0);
+  state_->arena.execute([&] { state_->scatter(leaf, eye, display); });
+}
+
+void CpuWarper::finish(const NearLayer* near, Frame& frame) {
+  state_->arena.execute([&] { state_->finish(near, frame); });
+}
+
 void CpuWarper::draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near,
                      Frame& frame) {
-  assert(display.width > 0 && display.height > 0);
-  State& state = *state_;
-  state.arena.execute([&] {
-    if (state.options.samples_per_pixel != 4) {
-      state.draw(leaf, eye, display, near, frame);
-      return;
-    }
-    Display doubled = display;
-    doubled.width *= 2;
-    doubled.height *= 2;
-    state.draw(leaf, eye, doubled, near, state.fine);
-    frame.statistics = state.fine.statistics;
-    average_samples(state.fine, frame);
-  });
+  scatter(leaf, eye, display);
+  finish(near, frame);
 }
 
 }  // namespace farfield::client

@@ -145,15 +145,12 @@ std::uint64_t fill_voids(Frame& frame, const SkyTest& sky, int radius) {
   tbb::parallel_for(0, occupancy.rows(), [&](int row) {
     for (int column = 0; column < occupancy.columns(); ++column) {
       if (!occupancy.has_open(column, row)) continue;
-      if (occupancy.is_surrounded_by_nothing(column, row)) {
-        has_rest[row] = 1;
-        continue;
-      }
+      const bool is_alone = occupancy.is_surrounded_by_nothing(column, row);
       for (int y = row * radius; y < std::min((row + 1) * radius, frame.height); ++y) {
         for (int x = column * radius; x < std::min((column + 1) * radius, frame.width); ++x) {
           const std::size_t at = static_cast<std::size_t>(y) * frame.width + x;
           if (is_covered(frame.coverage[at]) || sky.may_be_sky(x, y)) continue;
-          const std::size_t source = find_source(frame, x, y, radius);
+          const std::size_t source = is_alone ? kNone : find_source(frame, x, y, radius);
           if (source != kNone) {
             fillings[row].push_back({at, source});
           } else {

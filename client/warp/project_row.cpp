@@ -94,7 +94,7 @@ void sample_pixels(const ProjectedRow& row, const RowSamples& samples, int width
 #pragma GCC ivdep  // the arrays of one result do not overlap
   for (int i = 0; i < count; ++i) {
     const int column = row.left[i] + dx, line = row.top[i] + dy;
-    const SplatPixel pixel = splat_pixel(row, samples, i, column, line);
+    const SplatPixel pixel = splat_pixel(SplatAt(row, samples, i), column, line);
     const int inside = pixel.is_inside & mask_of(column <= row.right[i]) & mask_of(line <= row.bottom[i]);
     out.offset[i] = select(inside, line * width + column, -1);
     out.high[i] = pixel.high;

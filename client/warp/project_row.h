@@ -18,6 +18,9 @@ namespace farfield::client {
 
 /// Samples per call: small enough that the results stay in the first-level cache.
 inline constexpr int kRowPiece = 256;
+/// What the widest vectors hold: the kernels are fastest where counts are multiples of it.
+inline constexpr int kVectorSamples = 16;
+static_assert(kRowPiece % kVectorSamples == 0);
 /// A splat covers pixels up to this far from its sample; only surfaces stretched more than fourfold reach it.
 inline constexpr int kMaxReach = 4;
 /// Splats are larger by this, samples: what float arithmetic may put a position off by, so that pixel centres exactly

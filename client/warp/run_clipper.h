@@ -16,28 +16,41 @@ struct SampleRange {
 };
 
 /// Which samples of a run can reach the window, whatever disparity within the tile's range they have. A sample in front
-/// of the eye that lands inside has (X, Y, w)·border >= 0 for the four borders; that is linear in the sample's number,
-/// so each border leaves a half-line. Bands of the screen would otherwise project all of every run that crosses them.
+/// of the eye that lands inside has (X, Y, w)·border >= 0 for the four borders; that is linear in u, v and disparity, so
+/// each border leaves a half-line. Bands of the screen would otherwise project all of every run of a tile they cross.
 class RunClipper {
  public:
-  RunClipper(const TileProjection& p, const Splats& splats, const PixelWindow& window)
-      : projection_(p) {
+  RunClipper(const TileProjection& p, const Splats& splats, const PixelWindow& window) {
     const double margin = kMaxReach;
-    borders_[0] = {1, 0, margin};
-    borders_[1] = {-1, 0, window.width + margin};
-    borders_[2] = {0, 1, margin - window.top};
-    borders_[3] = {0, -1, window.bottom + margin};
+    const glm::dvec3 borders[4] = {{1, 0, margin},
+                                   {-1, 0, window.width + margin},
+                                   {0, 1, margin - window.top},
+                                   {0, -1, window.bottom + margin}};
     for (int k = 0; k < 4; ++k) {
-      per_sample_[k] = glm::dot(borders_[k], p.per_u) * splats.pitch;
-      const double per_disparity = glm::dot(borders_[k], p.per_disparity);
-      largest_[k] = std::max(per_disparity * splats.min_disparity, per_disparity * splats.max_disparity);
+      const double per_disparity = glm::dot(borders[k], p.per_disparity);
+      largest_[k] = glm::dot(borders[k], p.origin) +
+                    std::max(per_disparity * splats.min_disparity, per_disparity * splats.max_disparity);
+      per_u_[k] = glm::dot(borders[k], p.per_u);
+      per_v_[k] = glm::dot(borders[k], p.per_v);
+      per_sample_[k] = per_u_[k] * splats.pitch;
     }
   }
+
+  /// Whether all of the run lies beyond one border: a tenth of the cost of projecting eight samples.
+  bool is_outside(const SplatRun& run) const {
+    bool is_outside = false;
+    for (int k = 0; k < 4; ++k) {
+      const double first = largest_[k] + run.u0 * per_u_[k] + run.v * per_v_[k];
+      const double last = first + (run.count - 1) * per_sample_[k];
+      is_outside |= std::max(first, last) < 0;
+    }
+    return is_outside;
+  }
+
   SampleRange clip(const SplatRun& run) const {
     SampleRange range{0, static_cast<double>(run.count) - 1};
-    const glm::dvec3 start = projection_.at(run.u0, run.v, 0);
     for (int k = 0; k < 4; ++k) {
-      const double value = glm::dot(borders_[k], start) + largest_[k];
+      const double value = largest_[k] + run.u0 * per_u_[k] + run.v * per_v_[k];
       const double crossing = -value / per_sample_[k];  // not finite where the run is parallel to the border
       if (per_sample_[k] > 0) {
         range.first = std::max(range.first, crossing);
@@ -52,9 +65,8 @@ class RunClipper {
   }
 
  private:
-  const TileProjection& projection_;
-  glm::dvec3 borders_[4];
-  double per_sample_[4], largest_[4];
+  // For each border: the most any sample at u = v = 0 can have, and what it changes by.
+  double largest_[4], per_u_[4], per_v_[4], per_sample_[4];
 };
 
 }  // namespace farfield::client

@@ -9,6 +9,7 @@
 #include "client/warp/run_clipper.h"
 #include "client/warp/splat_pixel.h"
 #include "client/warp/wide_splats.h"
+#include "client/warp/write_pixels.h"
 
 namespace farfield::client {
 namespace {
@@ -30,6 +31,7 @@ class SplatWriter {
     samples_.disparity = disparities_.data() + 1;
     samples_.colour = colours_.data() + 1;
     samples_.colour_left = colours_.data(), samples_.colour_right = colours_.data() + 2;
+    samples_.reach = reaches_.data();
     samples_.slope_u = slope_u_.data(), samples_.slope_v = slope_v_.data();
     samples_.colour_up = colour_up_.data(), samples_.colour_down = colour_down_.data();
   }
@@ -52,17 +54,12 @@ class SplatWriter {
   /// Draws what was collected.
   void flush() {
     if (samples_.count == 0) return;
-    expand();
+    expand(fill_up());
     (is_scalar_ ? project_row_scalar : project_row)(row_projection_, window_, samples_, row_);
     (is_scalar_ ? sample_pixels_scalar : sample_pixels)(row_, samples_, window_.width, 0, 0, pixels_);
     write_pixels(pixels_, samples_.count, hits_, keys_);
-    take_wide();
-    samples_.count = 0;
-  }
-
-  void finish() {
-    flush();
     draw_wide();
+    samples_.count = 0;
   }
 
  private:
@@ -74,19 +71,28 @@ class SplatWriter {
       flush();
       return;
     }
-    for (; samples_.count < static_cast<int>(index - first_); ++samples_.count) {
-      samples_.infinity_x[samples_.count] = samples_.infinity_y[samples_.count] = 0;
-      samples_.infinity_w[samples_.count] = -1e30f;
-    }
+    while (samples_.count < static_cast<int>(index - first_)) put_nothing();
+  }
+
+  /// Makes the piece whole vectors, by samples behind the eye: what is left over costs a vectorised loop as much as
+  /// several vectors do. Returns: how many samples it held before.
+  std::size_t fill_up() {
+    const int count = samples_.count;
+    while (samples_.count % kVectorSamples != 0) put_nothing();
+    return static_cast<std::size_t>(count);
+  }
+  void put_nothing() {
+    samples_.infinity_x[samples_.count] = samples_.infinity_y[samples_.count] = 0;
+    samples_.infinity_w[samples_.count] = -1e30f;
+    ++samples_.count;
   }
 
   /// From the tile's compact arrays to what the kernels read.
-  void expand() {
-    const auto count = static_cast<std::size_t>(samples_.count);
+  void expand(std::size_t count) {
     const std::size_t before = first_ > 0 ? 1 : 0, last = std::min(first_ + count + 1, splats_.size());
     std::copy(splats_.disparity.data() + first_ - before, splats_.disparity.data() + last, disparities_.data() + 1 - before);
     std::copy(splats_.colour.data() + first_ - before, splats_.colour.data() + last, colours_.data() + 1 - before);
-    samples_.reach = splats_.reach.data() + first_;
+    std::copy_n(splats_.reach.data() + first_, count, reaches_.data());
     gather_along_v(count);
     const auto connected = [](std::uint32_t reach, int shift) { return mask_of((reach >> shift & 15) == kReachConnected); };
     const auto slope = [](int has_before, int has_after, float at_before, float own, float at_after) {
@@ -94,7 +100,7 @@ class SplatWriter {
       const float to = std::bit_cast<float>(select(has_after, std::bit_cast<int>(at_after), std::bit_cast<int>(own)));
       return (to - from) * (1.0f + 0.5f * static_cast<float>(has_before & has_after));  // over one sample or two
     };
-    const std::uint16_t* __restrict reaches = samples_.reach;
+    const std::uint16_t* __restrict reaches = reaches_.data();
     const float* __restrict disparity = disparities_.data() + 1;
     const std::uint32_t* __restrict colour = colours_.data() + 1;
 #pragma GCC ivdep  // none of these overlap
@@ -134,15 +140,13 @@ class SplatWriter {
     for (std::size_t i = 0; i < count; i += kCopied) std::memcpy(to + i, from.data() + at + i, kCopied * sizeof(T));
   }
 
-  void take_wide() {
-    const int found = find_non_negative(row_.wide, samples_.count, hits_);
-    for (int k = 0; k < found; ++k) {
-      wide_.append(row_, samples_, hits_[k]);
-      if (wide_.is_full()) draw_wide();
-    }
-  }
   void draw_wide() {
-    wide_.draw(is_scalar_ ? sample_pixels_scalar : sample_pixels, window_.width, pixels_, wide_hits_, keys_);
+    if (is_scalar_) {
+      draw_wide_splats_scalar(row_, samples_, window_.width, keys_);
+      return;
+    }
+    const int found = find_non_negative(row_.wide.data(), samples_.count, hits_.data());
+    for (int k = 0; k < found; ++k) draw_wide_splat(row_, samples_, hits_[k], window_.width, keys_);
   }
 
   /// Where `count` samples from number block + from of the run would be if they were at infinity.
@@ -177,20 +181,21 @@ class SplatWriter {
   std::size_t link_ = 0;  // of the tile's links: that of sample first_, or before
   Piece<float> disparities_{};       // of the piece, with the sample before and after it
   Piece<std::uint32_t> colours_{};   // likewise
-  Piece<float> disparity_up_, disparity_down_, slope_u_, slope_v_;
-  Piece<std::uint32_t> colour_up_, colour_down_;
-  WideSplats wide_;
-  RowIndices hits_, wide_hits_;
+  Piece<std::uint16_t> reaches_{};
+  Piece<float> disparity_up_{}, disparity_down_{}, slope_u_, slope_v_;
+  Piece<std::uint32_t> colour_up_{}, colour_down_{};
+  RowIndices hits_;
 };
 
 }  // namespace
 
 void scatter_tile(const Splats& splats, const TileProjection& projection, const PixelWindow& window,
                   ProjectionKernel kernel, std::uint64_t* keys) {
-  constexpr std::uint32_t kLongRun = 24;  // for shorter runs clipping costs as much as it saves
+  constexpr std::uint32_t kLongRun = 24;  // in shorter runs there is little to clip
   const RunClipper clipper(projection, splats, window);
   SplatWriter writer(splats, projection, window, kernel, keys);
   for (const SplatRun& run : splats.runs) {
+    if (clipper.is_outside(run)) continue;
     std::uint32_t begin = 0, end = run.count;
     if (run.count >= kLongRun) {
       const SampleRange range = clipper.clip(run);
@@ -200,7 +205,7 @@ void scatter_tile(const Splats& splats, const TileProjection& projection, const 
     }
     writer.append(run, begin, end);
   }
-  writer.finish();
+  writer.flush();
 }
 
 }  // namespace farfield::client

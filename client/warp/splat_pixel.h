@@ -46,29 +46,40 @@ inline std::uint32_t weight_of(float s) {
   return static_cast<std::uint32_t>(static_cast<int>(scaled < 128.0f ? scaled : 128.0f));
 }
 
+/// Sample i of a projected piece.
+struct SplatAt {
+  float x, y, s_x, s_y, t_x, t_y, disparity, disparity_s, disparity_t;
+  std::uint32_t reach, colour, left, right, up, down;  // the latter five: own and neighbours' colours
+
+  SplatAt(const ProjectedRow& row, const RowSamples& samples, int i)
+      : x(row.x[i]), y(row.y[i]), s_x(row.s_x[i]), s_y(row.s_y[i]), t_x(row.t_x[i]), t_y(row.t_y[i]),
+        disparity(row.disparity[i]), disparity_s(row.disparity_s[i]), disparity_t(row.disparity_t[i]),
+        reach(samples.reach[i]), colour(samples.colour[i]), left(samples.colour_left[i]),
+        right(samples.colour_right[i]), up(samples.colour_up[i]), down(samples.colour_down[i]) {}
+};
+
 struct SplatPixel {
   int is_inside = 0;  // a mask
   std::uint32_t high = 0, low = 0;
 };
 
-inline SplatPixel splat_pixel(const ProjectedRow& row, const RowSamples& samples, int i, int column, int line) {
-  const float dx = static_cast<float>(column) - row.x[i], dy = static_cast<float>(line) - row.y[i];
-  const float s = row.s_x[i] * dx + row.s_y[i] * dy, t = row.t_x[i] * dx + row.t_y[i] * dy;
-  const std::uint32_t reach = samples.reach[i];
+inline SplatPixel splat_pixel(const SplatAt& splat, int column, int line) {
+  const float dx = static_cast<float>(column) - splat.x, dy = static_cast<float>(line) - splat.y;
+  const float s = splat.s_x * dx + splat.s_y * dy, t = splat.t_x * dx + splat.t_y * dy;
+  const std::uint32_t reach = splat.reach;
   SplatPixel pixel;
   pixel.is_inside = mask_of(s >= -reach_of(reach, 0)) & mask_of(s <= reach_of(reach, 4)) &
                     mask_of(t >= -reach_of(reach, 8)) & mask_of(t <= reach_of(reach, 12));
   const float nearness = 1.0f - kDistancePenalty * (s * s + t * t);
-  const float disparity = (row.disparity[i] + s * row.disparity_s[i] + t * row.disparity_t[i]) * nearness;
+  const float disparity = (splat.disparity + s * splat.disparity_s + t * splat.disparity_t) * nearness;
   pixel.high = key_high(disparity > 0.0f ? disparity : 0.0f);
 
   const int is_right = mask_of(s > 0.0f), is_down = mask_of(t > 0.0f);
-  const std::uint32_t own = samples.colour[i];
-  const std::uint32_t side = select(is_right, samples.colour_right[i], samples.colour_left[i]);
+  const std::uint32_t side = select(is_right, splat.right, splat.left);
   const std::uint32_t side_reach = select(is_right, reach >> 4, reach) & 15;
-  const std::uint32_t along_s = select(mask_of(side_reach == kReachConnected), side, own);
-  const std::uint32_t along_t = select(is_down, samples.colour_down[i], samples.colour_up[i]);
-  pixel.low = blend(own, along_s, along_t, weight_of(s), weight_of(t));
+  const std::uint32_t along_s = select(mask_of(side_reach == kReachConnected), side, splat.colour);
+  const std::uint32_t along_t = select(is_down, splat.down, splat.up);
+  pixel.low = blend(splat.colour, along_s, along_t, weight_of(s), weight_of(t));
   return pixel;
 }
 

@@ -53,13 +53,23 @@ class DirectionMask {
   std::array<std::uint8_t, kBytes> bits_{};
 };
 
-/// Whether a pixel that nothing covers may show the background.
-struct SkyTest {
-  DirectionMask mask;
-  glm::dmat3 world_from_camera{1};
-  Display display;
+/// Whether a pixel that nothing covers may show the background: asked for every open pixel of every frame.
+class SkyTest {
+ public:
+  SkyTest() : SkyTest(DirectionMask(), glm::dmat3(1), Display()) {}
+  SkyTest(const DirectionMask& mask, const glm::dmat3& world_from_camera, const Display& display)
+      : mask_(mask),
+        first_(world_from_camera * camera_direction(display, 0.5, 0.5)),
+        per_column_(world_from_camera * (camera_direction(display, 1.5, 0.5) - camera_direction(display, 0.5, 0.5))),
+        per_row_(world_from_camera * (camera_direction(display, 0.5, 1.5) - camera_direction(display, 0.5, 0.5))) {}
 
-  bool may_be_sky(int x, int y) const { return mask.contains(world_from_camera * camera_direction(display, x + 0.5, y + 0.5)); }
+  bool may_be_sky(int x, int y) const {
+    return mask_.contains(first_ + static_cast<double>(x) * per_column_ + static_cast<double>(y) * per_row_);
+  }
+
+ private:
+  DirectionMask mask_;
+  glm::dvec3 first_, per_column_, per_row_;  // the top left pixel's direction and its steps
 };
 
 }  // namespace farfield

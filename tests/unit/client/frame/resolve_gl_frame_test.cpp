@@ -30,8 +30,7 @@ struct Drawn {
     Frame frame;
     GlResolveOptions options;
     options.background = {0, 0, 200};
-    options.sky.mask = sky ? DirectionMask::all() : DirectionMask();
-    options.sky.display = {kWidth, kHeight, 1.0};
+    options.sky = SkyTest(sky ? DirectionMask::all() : DirectionMask(), glm::dmat3(1), {kWidth, kHeight, 1.0});
     resolve_gl_frame({kWidth, kHeight, rgba, depth, 0.01}, options, frame);
     return frame;
   }

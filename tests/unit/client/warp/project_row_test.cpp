@@ -125,7 +125,7 @@ TEST(WritePixels, FindsAllNonNegativeEntriesInOrder) {
       values[i] = static_cast<std::int32_t>(random() % 3) - 1;
       if (i < count && values[i] >= 0) expected.push_back(i);
     }
-    const int found = find_non_negative(values, count, indices);
+    const int found = find_non_negative(values.data(), count, indices.data());
     ASSERT_EQ(std::vector<std::int32_t>(indices.begin(), indices.begin() + found), expected);
   }
 }

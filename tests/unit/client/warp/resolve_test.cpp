@@ -132,9 +132,11 @@ TEST(FillVoids, WhereTheBackgroundCanBeSeenItStays) {
 }
 
 TEST(FillVoids, TheMaskDecidesByDirection) {
-  SkyTest sky = no_sky();
+  const Display display{kSize, kSize, 1.0};
+  DirectionMask mask;
   for (int y = 0; y < kSize; ++y)  // the right half of the image
-    for (int x = kSize / 2; x < kSize; ++x) sky.mask.insert(camera_direction(sky.display, x + 0.5, y + 0.5));
+    for (int x = kSize / 2; x < kSize; ++x) mask.insert(camera_direction(display, x + 0.5, y + 0.5));
+  const SkyTest sky(mask, glm::dmat3(1), display);
   Frame frame = uncovered_frame();
   columns(frame, 0, 4, Coverage::kImpostor, 0.2f, 50);
   fill_voids(frame, sky, 8);
