@@ -67,6 +67,8 @@ Status run_bench(const BenchOptions& options) {
   if (!std::cout.flush()) return fail(ErrorCode::kIo, "the report cannot be written to the output");
   if (!options.plot.empty())
     if (Status status = write_plot(options.plot, *methods); !status) return status;
+  if (!options.frames_folder.empty())
+    if (Status status = write_frames(options.frames_folder, *world, *methods); !status) return status;
   if (!options.contact_sheet.empty())
     if (Status status = write_contact_sheet(options.contact_sheet, *world, *methods); !status) return status;
   return {};

@@ -49,4 +49,24 @@ Status write_contact_sheet(const std::filesystem::path& file, const World& world
   return write_png(file.string(), make_contact_sheet(rows));
 }
 
+Status write_frames(const std::filesystem::path& folder, const World& world, const std::vector<MethodResult>& methods) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(ErrorCode::kIo, "--frames-folder {}: cannot be made ({})", folder.string(), error.message());
+  const Display& display = world.options.display;
+  const auto write = [&](const std::string& name, std::size_t k, const std::vector<std::uint8_t>& rgb) {
+    Image8 image(display.width, display.height, 3);
+    image.values = rgb;
+    return write_png((folder / fmt::format("{:04}-{}.png", k, name)).string(), image);
+  };
+  for (std::size_t k = 0; k < world.poses.size(); ++k) {
+    if (Status status = write("truth", k, world.truth[k].rgb); !status) return status;
+    for (const MethodResult& m : methods) {
+      if (k >= m.pictures.size()) continue;
+      if (Status status = write(m.name, k, m.pictures[k]); !status) return status;
+    }
+  }
+  return {};
+}
+
 }  // namespace farfield::bench
