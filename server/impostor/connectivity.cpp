@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/impostor/connectivity.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace farfield {
@@ -24,6 +25,23 @@ bool sees_first(const Edge& edge, const SampleArrays& s, float at, bool hit, flo
   const float first_end = std::min(from_first, std::abs(s.disparity[edge.first] - disparity));
   const float second_end = std::min(from_second, std::abs(s.disparity[edge.second] - disparity));
   return first_end <= second_end;
+}
+
+// How much further a surface is drawn where it runs on beyond the shell's border, in eighths of a sample: outlines are
+// placed to half an eighth and simplified by up to kOutlineSamples, and nothing may show between two shells.
+constexpr int kBorderOverlap = 2;
+
+// Whether the surface at one end of an edge runs on beyond the shell's border: its plane, `at` of the way, is outside.
+bool crosses_border(const RayClip& shell, const ViewFrame& frame, const SampleArrays& s, const Edge& edge, bool is_first,
+                    double at, int i, int j) {
+  const int end = is_first ? edge.first : edge.second;
+  if (!s.covered[end]) return false;
+  const double gradient = (edge.is_down ? s.gradient_j : s.gradient_i)[end];
+  const double disparity = s.disparity[end] + gradient * (is_first ? at : at - 1);
+  if (!(disparity > 0)) return false;
+  const glm::dvec3 direction = frame.direction(i + (edge.is_down ? 0 : at), j + (edge.is_down ? at : 0));
+  const glm::dvec3 point = frame.position + direction * (frame.side_m / disparity);
+  return !shell.outside.contains(point) || (!shell.inside.is_empty() && shell.inside.contains(point));
 }
 
 // Three rays per edge halve the interval three times: the eighth in which the first surface ends.
@@ -53,7 +71,14 @@ void bisect(const Scene& scene, const CellSpace& space, const ViewFrame& frame, 
     }
     for (int lane = 0; lane < count; ++lane) {
       const Edge& edge = edges[base + lane];
-      (edge.is_down ? tile.cut_down : tile.cut_right)[edge.first] = static_cast<std::uint8_t>(low[lane] + 1);
+      int cut = low[lane] + 1;
+      const auto crosses = [&](bool is_first, int eighth) {
+        return crosses_border(space.shell, frame, samples, edge, is_first, eighth / 8.0, sample_i[edge.first],
+                              sample_j[edge.first]);
+      };
+      const int overlap = (crosses(true, low[lane] + 1) ? kBorderOverlap : 0) - (crosses(false, low[lane]) ? kBorderOverlap : 0);
+      cut = std::clamp(cut + overlap, 1, 8);
+      (edge.is_down ? tile.cut_down : tile.cut_right)[edge.first] = static_cast<std::uint8_t>(cut);
     }
   }
 }
