@@ -15,7 +15,7 @@ std::size_t heap_bytes(const std::vector<T>& values) {
 }
 
 std::size_t memory_of(const DecodedTile& tile) {
-  return sizeof(DecodedTile) + heap_bytes(tile.mesh.rgb) + heap_bytes(tile.mesh.vertices) +
+  return sizeof(DecodedTile) + heap_bytes(tile.mesh.rgb) + heap_bytes(tile.mesh.cuts) + heap_bytes(tile.mesh.vertices) +
          heap_bytes(tile.mesh.indices) + tile.splats.memory_bytes();
 }
 

@@ -121,7 +121,7 @@ std::optional<ImpostorPage::Place> ImpostorPage::add(const DepthMesh& mesh, std:
 void ImpostorPage::upload_texture(const DepthMesh& mesh, std::uint32_t layer) {
   // Filtering at the edge of a texture smaller than its layer reads one texel further.
   int width = std::min(mesh.width + 1, shape_.width), height = std::min(mesh.height + 1, shape_.height);
-  std::vector<std::uint32_t> texels = opaque_texels(mesh.rgb, mesh.width, mesh.height);
+  std::vector<std::uint32_t> texels = texels_of(mesh.rgb, mesh.cuts);
   if (width > mesh.width || height > mesh.height) texels = edge_repeated(texels, mesh.width, mesh.height, width, height);
   glBindTexture(GL_TEXTURE_2D_ARRAY, texture_.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);

@@ -24,7 +24,7 @@ uniform vec2 inverse_tangents;
 uniform vec2 texels_to_unit;                // 1/16 over the layer's size
 uniform vec2 depth;                         // DepthConvention: scale times near plane, bias
 uniform float side;
-out vec3 texture_place;
+centroid out vec3 texture_place;  // never beyond the outline
 void main() {
   int view = int(place.w);
   vec4 column0 = texelFetch(views, ivec2(0, view), 0);
@@ -43,10 +43,46 @@ void main() {
 constexpr const char* kFragment = R"(#version 300 es
 precision highp float;
 precision highp sampler2DArray;
-in vec3 texture_place;
-uniform sampler2DArray colours;
+centroid in vec3 texture_place;
+uniform sampler2DArray colours;  // alpha of level 0: pack_cuts()
 layout(location = 0) out vec4 colour;
-void main() { colour = vec4(texture(colours, texture_place).rgb, 254.0 / 255.0); }
+
+int cuts_at(ivec2 texel, ivec2 last) {
+  return int(texelFetch(colours, ivec3(min(texel, last), int(texture_place.z + 0.5)), 0).a * 255.0 + 0.5);
+}
+// From eighths, 0 for none, to the place of the cut between two texels, below 0 for none.
+float cut_of(int code) { return code == 0 ? -1.0 : (float(code) - 0.5) / 8.0; }
+
+// Between four texels with cuts between them, the place moves until only texels of its own surface are mixed. Surfaces
+// end on the line from cut to cut, as in the mesh.
+vec2 on_own_side(vec2 at, float top, float bottom, float left, float right) {
+  bool is_corner = (top < 0.0) != (bottom < 0.0) && (left < 0.0) != (right < 0.0);
+  if (!is_corner) {
+    float x = top < 0.0 ? bottom : bottom < 0.0 ? top : mix(top, bottom, at.y);
+    float y = left < 0.0 ? right : right < 0.0 ? left : mix(left, right, at.x);
+    return vec2(x < 0.0 ? at.x : at.x < x ? 0.0 : 1.0, y < 0.0 ? at.y : at.y < y ? 0.0 : 1.0);
+  }
+  // One texel against the other three, as seen from that corner.
+  vec2 corner = vec2(left < 0.0 ? 1.0 : 0.0, top < 0.0 ? 1.0 : 0.0);
+  vec2 cut = abs(vec2(max(top, bottom), max(left, right)) - corner), from = abs(at - corner);
+  if (from.x * cut.y + from.y * cut.x < cut.x * cut.y) return corner;
+  return from.x > from.y ? vec2(1.0 - corner.x, at.y) : vec2(at.x, 1.0 - corner.y);
+}
+
+void main() {
+  vec2 size = vec2(textureSize(colours, 0).xy);
+  vec2 place = max(texture_place.xy * size - 0.5, 0.0);
+  ivec2 texel = ivec2(place), last = ivec2(size) - 1;
+  int here = cuts_at(texel, last);
+  int top = here & 15, bottom = cuts_at(texel + ivec2(0, 1), last) & 15;
+  int left = here >> 4, right = cuts_at(texel + ivec2(1, 0), last) >> 4;
+  vec3 result = texture(colours, texture_place).rgb;
+  if ((top | bottom | left | right) != 0) {
+    vec2 at = on_own_side(place - vec2(texel), cut_of(top), cut_of(bottom), cut_of(left), cut_of(right));
+    result = textureLod(colours, vec3((vec2(texel) + at + 0.5) / size, texture_place.z), 0.0).rgb;
+  }
+  colour = vec4(result, 254.0 / 255.0);
+}
 )";
 
 }  // namespace

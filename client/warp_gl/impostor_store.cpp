@@ -21,7 +21,8 @@ bool ImpostorStore::is_acceptable(const DepthMesh& mesh) const {
   // Rows are coded in sixteenths in 16 bits: 4095 is the last whole texel.
   const int most = std::min(abilities_.max_texture_edge, 4095);
   if (mesh.width < 1 || mesh.height < 1 || mesh.width > most || mesh.height > most) return false;
-  if (mesh.rgb.size() != 3 * static_cast<std::size_t>(mesh.width) * static_cast<std::size_t>(mesh.height)) return false;
+  const std::size_t texels = static_cast<std::size_t>(mesh.width) * static_cast<std::size_t>(mesh.height);
+  if (mesh.rgb.size() != 3 * texels || mesh.cuts.size() != texels) return false;
   return std::all_of(mesh.indices.begin(), mesh.indices.end(),
                      [&](std::uint32_t index) { return index < mesh.vertices.size(); });
 }

@@ -7,10 +7,11 @@
 
 namespace farfield::client {
 
-std::vector<std::uint32_t> opaque_texels(std::span<const std::uint8_t> rgb, int width, int height) {
-  std::vector<std::uint32_t> texels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+std::vector<std::uint32_t> texels_of(std::span<const std::uint8_t> rgb, std::span<const std::uint8_t> alpha) {
+  std::vector<std::uint32_t> texels(alpha.size());
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    texels[i] = rgb[3 * i] | (std::uint32_t{rgb[3 * i + 1]} << 8) | (std::uint32_t{rgb[3 * i + 2]} << 16) | 0xff000000u;
+    texels[i] = rgb[3 * i] | (std::uint32_t{rgb[3 * i + 1]} << 8) | (std::uint32_t{rgb[3 * i + 2]} << 16) |
+                (std::uint32_t{alpha[i]} << 24);
   }
   return texels;
 }
@@ -36,7 +37,7 @@ std::vector<std::uint32_t> half_size(std::span<const std::uint32_t> texels, int 
     for (std::size_t x = 0; x + 1 < stride; x += 2) {
       const std::uint32_t* upper = texels.data() + y * stride + x;
       const std::uint32_t* lower = upper + stride;
-      std::uint32_t mean = 0xff000000u;
+      std::uint32_t mean = 0;
       for (int shift = 0; shift < 24; shift += 8) {
         const auto linear = [shift](std::uint32_t texel) {
           return srgb_to_linear(static_cast<std::uint8_t>(texel >> shift));

@@ -8,8 +8,8 @@
 
 namespace farfield::client {
 
-/// sRGB R, G, B, opaque, from 3 bytes per texel. Requires: rgb.size() == 3·width·height.
-std::vector<std::uint32_t> opaque_texels(std::span<const std::uint8_t> rgb, int width, int height);
+/// sRGB R, G, B from 3 bytes per texel, and alpha from one. Requires: rgb.size() == 3·alpha.size().
+std::vector<std::uint32_t> texels_of(std::span<const std::uint8_t> rgb, std::span<const std::uint8_t> alpha);
 
 /// The same image with its last column and row repeated. Requires: new_width >= width, new_height >= height, none 0.
 std::vector<std::uint32_t> edge_repeated(std::span<const std::uint32_t> texels, int width, int height, int new_width,

@@ -22,14 +22,26 @@ void mesh_patch(const SurfacePatch& patch, const PatchPlace& place, float tolera
   if (tolerance > 0) simplify_mesh(patch, place, tolerance, mesh);
 }
 
+/// Of the patch's samples from (border, border) on, one per texel.
+void take_cuts(const SurfacePatch& patch, int border, DepthMesh& mesh) {
+  mesh.cuts.reserve(mesh.rgb.size() / 3);
+  for (int y = 0; y < mesh.height; ++y) {
+    for (int x = 0; x < mesh.width; ++x) {
+      const std::size_t at = patch.at(x + border, y + border);
+      mesh.cuts.push_back(pack_cuts(patch.cut_right[at], patch.cut_down[at]));
+    }
+  }
+}
+
 void mesh_dense(const Tile& tile, float tolerance, DepthMesh& mesh) {
   mesh.width = tile.width;
   mesh.height = tile.height;
   mesh.rgb = tile.rgb;
   fill_uncovered(mesh.rgb, tile.coverage, tile.width, tile.height);
-  if (tile.width < 2 || tile.height < 2) return;
   const SurfacePatch patch{tile.width,           tile.height,           tile.coverage.data(),
                            tile.disparity.data(), tile.cut_right.data(), tile.cut_down.data()};
+  take_cuts(patch, 0, mesh);
+  if (tile.width < 2 || tile.height < 2) return;
   mesh_patch(patch, {tile.edge_samples, tile.id.x * kTileStride, tile.id.y * kTileStride, 0, 0}, tolerance, mesh);
 }
 
@@ -42,6 +54,7 @@ void mesh_packed(const Tile& tile, float tolerance, DepthMesh& mesh) {
   mesh.width = blocks.width - 2;
   mesh.height = blocks.height - 2;
   mesh.rgb = std::move(blocks.rgb);
+  take_cuts(blocks.patch(), 1, mesh);
   mesh_patch(blocks.patch(), {tile.edge_samples, blocks.face_x, blocks.face_y, -1, -1}, tolerance, mesh);
 }
 

@@ -19,11 +19,17 @@ struct DepthMeshVertex {
   float column = 0, row = 0;     // texture position in samples, texel centres at +0.5
 };
 
+/// Where surfaces end between a texel and its right and lower neighbours, as in Tile: in eighths, 0 where they go on.
+inline constexpr std::uint8_t pack_cuts(std::uint8_t right, std::uint8_t down) {
+  return static_cast<std::uint8_t>((right & 15) | (down & 15) << 4);
+}
+
 struct DepthMesh {
   int face = 0;
   int width = 0, height = 0;             // of the texture
   bool has_gaps = false;                 // some texels mean nothing: no mip levels can be made of it
   std::vector<std::uint8_t> rgb;         // sRGB, 3 bytes per texel
+  std::vector<std::uint8_t> cuts;        // per texel pack_cuts(): colours must not be mixed across them
   std::vector<DepthMeshVertex> vertices;
   std::vector<std::uint32_t> indices;    // three per triangle; both sides count as front
 };

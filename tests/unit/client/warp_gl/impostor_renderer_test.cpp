@@ -230,6 +230,7 @@ TEST_F(ImpostorRendererTest, EvictsWhatNoFrameWantsBeforeANewSetTakesItsPlace) {
       auto tile = decoded(room_tile(kCentre, 5, 1, 0, 0), kCentre, 0, ++serial_);
       tile->mesh.width = 32 * (4 * set + k + 5);
       tile->mesh.rgb.assign(3u * static_cast<std::size_t>(tile->mesh.width * tile->mesh.height), 100);
+      tile->mesh.cuts.assign(tile->mesh.rgb.size() / 3, 0);
       leaf_.tiles.push_back(tile);
     }
     EXPECT_TRUE(renderer_->upload(leaf_).is_complete);
