@@ -45,13 +45,14 @@ precision highp float;
 precision highp sampler2DArray;
 centroid in vec3 texture_place;
 uniform sampler2DArray colours;  // alpha of level 0: pack_cuts()
+const int kCutNearby = 15;
 layout(location = 0) out vec4 colour;
 
 int cuts_at(ivec2 texel, ivec2 last) {
   return int(texelFetch(colours, ivec3(min(texel, last), int(texture_place.z + 0.5)), 0).a * 255.0 + 0.5);
 }
 // From eighths, 0 for none, to the place of the cut between two texels, below 0 for none.
-float cut_of(int code) { return code == 0 ? -1.0 : (float(code) - 0.5) / 8.0; }
+float cut_of(int code) { return code == 0 || code == kCutNearby ? -1.0 : (float(code) - 0.5) / 8.0; }
 
 // Between four texels with cuts between them, the place moves until only texels of its own surface are mixed. Surfaces
 // end on the line from cut to cut, as in the mesh.
@@ -74,10 +75,10 @@ void main() {
   vec2 place = max(texture_place.xy * size - 0.5, 0.0);
   ivec2 texel = ivec2(place), last = ivec2(size) - 1;
   int here = cuts_at(texel, last);
-  int top = here & 15, bottom = cuts_at(texel + ivec2(0, 1), last) & 15;
-  int left = here >> 4, right = cuts_at(texel + ivec2(1, 0), last) >> 4;
   vec3 result = texture(colours, texture_place).rgb;
-  if ((top | bottom | left | right) != 0) {
+  if (here != 0) {
+    int top = here & 15, bottom = cuts_at(texel + ivec2(0, 1), last) & 15;
+    int left = here >> 4, right = cuts_at(texel + ivec2(1, 0), last) >> 4;
     vec2 at = on_own_side(place - vec2(texel), cut_of(top), cut_of(bottom), cut_of(left), cut_of(right));
     result = textureLod(colours, vec3((vec2(texel) + at + 0.5) / size, texture_place.z), 0.0).rgb;
   }

@@ -247,6 +247,36 @@ TEST_F(ImpostorRendererTest, EvictsWhatNoFrameWantsBeforeANewSetTakesItsPlace) {
   }
 }
 
+TEST_F(ImpostorRendererTest, SurfacesKeepTheirColourUpToWhereTheyEnd) {
+  // Stripes and single samples of two paints: wherever two meet, each goes on to its own side of the cut.
+  Tile tile = room_tile(kCentre, 5, 1, 0, 0);
+  const auto is_white = [](int x, int y) { return y < 64 ? (x / 5 + y / 7) % 2 == 0 : x % 3 == 0 && y % 3 == 0; };
+  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * kTileSamples + static_cast<std::size_t>(x); };
+  for (int y = 0; y < kTileSamples; ++y) {
+    for (int x = 0; x < kTileSamples; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) tile.rgb[3 * at(x, y) + c] = is_white(x, y) ? 255 : 0;
+      const auto cut = static_cast<std::uint8_t>(1 + (3 * x + 5 * y) % 8);
+      if (x + 1 < kTileSamples && is_white(x, y) != is_white(x + 1, y)) tile.cut_right[at(x, y)] = cut;
+      if (y + 1 < kTileSamples && is_white(x, y) != is_white(x, y + 1)) tile.cut_down[at(x, y)] = cut;
+    }
+  }
+  leaf_.tiles.push_back(decoded(tile, kCentre, 0, ++serial_));
+  EXPECT_TRUE(renderer_->upload(leaf_).is_complete);
+  // Face 5 looks along -z: an upright camera sees it, several pixels to a sample.
+  const Display display{640, 640, 0.9};
+  draw(display, {kCentre, {1, 0, 0, 0}});
+  int black = 0, white = 0, mixed = 0;
+  for (std::size_t p = 0; p < depth_.size(); ++p) {
+    if (colour_[4 * p + 3] != kImpostorAlpha) continue;
+    const int value = colour_[4 * p];
+    (value < 3 ? black : value > 252 ? white : mixed) += 1;
+  }
+  EXPECT_GT(black, 50000);
+  EXPECT_GT(white, 50000);
+  // Where three or four surfaces meet in one cell, the mesh's inner point is not on a line between two cuts.
+  EXPECT_LT(mixed, (black + white) / 100);
+}
+
 TEST_F(ImpostorRendererTest, MeshesThatLieAreRefused) {
   auto bad_index = decoded(room_tile(kCentre, 5, 1, 0, 0), kCentre, 0, 1);
   bad_index->mesh.indices[7] = 1u << 30;
