@@ -45,14 +45,13 @@ precision highp float;
 precision highp sampler2DArray;
 centroid in vec3 texture_place;
 uniform sampler2DArray colours;  // alpha of level 0: pack_cuts()
-const int kCutNearby = 15;
 layout(location = 0) out vec4 colour;
 
 int cuts_at(ivec2 texel, ivec2 last) {
   return int(texelFetch(colours, ivec3(min(texel, last), int(texture_place.z + 0.5)), 0).a * 255.0 + 0.5);
 }
 // From eighths, 0 for none, to the place of the cut between two texels, below 0 for none.
-float cut_of(int code) { return code == 0 || code == kCutNearby ? -1.0 : (float(code) - 0.5) / 8.0; }
+float cut_of(int code) { return code == 0 ? -1.0 : (float(code) - 0.5) / 8.0; }
 
 // Between four texels with cuts between them, the place moves until only texels of its own surface are mixed. Surfaces
 // end on the line from cut to cut, as in the mesh.
@@ -71,18 +70,21 @@ vec2 on_own_side(vec2 at, float top, float bottom, float left, float right) {
 }
 
 void main() {
-  vec2 size = vec2(textureSize(colours, 0).xy);
-  vec2 place = max(texture_place.xy * size - 0.5, 0.0);
-  ivec2 texel = ivec2(place), last = ivec2(size) - 1;
-  int here = cuts_at(texel, last);
-  vec3 result = texture(colours, texture_place).rgb;
-  if (here != 0) {
-    int top = here & 15, bottom = cuts_at(texel + ivec2(0, 1), last) & 15;
-    int left = here >> 4, right = cuts_at(texel + ivec2(1, 0), last) >> 4;
-    vec2 at = on_own_side(place - vec2(texel), cut_of(top), cut_of(bottom), cut_of(left), cut_of(right));
-    result = textureLod(colours, vec3((vec2(texel) + at + 0.5) / size, texture_place.z), 0.0).rgb;
+  vec4 mixed = texture(colours, texture_place);
+  // Filtered as well, alpha is 0 just where none of the mixed texels ends. A loop, because only those are left out
+  // where all of them are done, on machines without a GPU.
+  bool is_near_cut = mixed.a > 0.0;
+  while (is_near_cut) {
+    vec2 size = vec2(textureSize(colours, 0).xy);
+    vec2 place = max(texture_place.xy * size - 0.5, 0.0);
+    ivec2 texel = ivec2(place), last = ivec2(size) - 1;
+    int here = cuts_at(texel, last);
+    int bottom = cuts_at(texel + ivec2(0, 1), last) & 15, right = cuts_at(texel + ivec2(1, 0), last) >> 4;
+    vec2 at = on_own_side(place - vec2(texel), cut_of(here & 15), cut_of(bottom), cut_of(here >> 4), cut_of(right));
+    mixed = textureLod(colours, vec3((vec2(texel) + at + 0.5) / size, texture_place.z), 0.0);
+    is_near_cut = false;
   }
-  colour = vec4(result, 254.0 / 255.0);
+  colour = vec4(mixed.rgb, 254.0 / 255.0);
 }
 )";
 

@@ -28,10 +28,7 @@ void take_cuts(const SurfacePatch& patch, int border, DepthMesh& mesh) {
   for (int y = 0; y < mesh.height; ++y) {
     for (int x = 0; x < mesh.width; ++x) {
       const std::size_t at = patch.at(x + border, y + border);
-      const std::uint8_t right = patch.cut_right[at], down = patch.cut_down[at];
-      const bool is_beside = (y + 1 < mesh.height && patch.cut_right[patch.at(x + border, y + border + 1)] != 0) ||
-                             (x + 1 < mesh.width && patch.cut_down[patch.at(x + border + 1, y + border)] != 0);
-      mesh.cuts.push_back(pack_cuts(right == 0 && down == 0 && is_beside ? kCutNearby : right, down));
+      mesh.cuts.push_back(pack_cuts(patch.cut_right[at], patch.cut_down[at]));
     }
   }
 }

@@ -20,9 +20,6 @@ struct DepthMeshVertex {
 };
 
 /// Where surfaces end between a texel and its right and lower neighbours, as in Tile: in eighths, 0 where they go on.
-/// `right` is kCutNearby where they do, but not between the other pairs of the four texels that are mixed to the right
-/// and below of this one: 0 says that there is nothing to look for.
-inline constexpr std::uint8_t kCutNearby = 15;
 inline constexpr std::uint8_t pack_cuts(std::uint8_t right, std::uint8_t down) {
   return static_cast<std::uint8_t>((right & 15) | (down & 15) << 4);
 }
