@@ -24,25 +24,20 @@ struct Parts {
   std::ostream& talk;
   const std::atomic<bool>& is_interrupted;
   Renderer renderer = Renderer::kCpu;
+  bool is_software = false;  // OpenGL without a GPU
   std::unique_ptr<LinkProxy> link;
   std::unique_ptr<ClientCore> core;
   SceneDescription scene;
 };
 
-/// Without a GPU OpenGL is Mesa's llvmpipe, softpipe or another program that names itself software.
-bool is_software(const std::string& renderer) {
-  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software"}) {
-    if (renderer.find(name) != std::string::npos) return true;
-  }
-  return false;
-}
-
-Result<Renderer> choose_renderer(RendererChoice choice) {
-  if (choice == RendererChoice::kCpu) return Renderer::kCpu;
-  if (choice == RendererChoice::kGl) return Renderer::kGl;
+Status choose_renderer(Parts& parts) {
   const Result<std::unique_ptr<GlContext>> context = GlContext::create_surfaceless();
   if (!context) return tl::unexpected(context.error());
-  return is_software((*context)->abilities().renderer) ? Renderer::kCpu : Renderer::kGl;
+  parts.is_software = (*context)->abilities().is_software;
+  const bool is_cpu = parts.options.renderer == RendererChoice::kCpu ||
+                      (parts.options.renderer == RendererChoice::kAuto && parts.is_software);
+  parts.renderer = is_cpu ? Renderer::kCpu : Renderer::kGl;
+  return {};
 }
 
 FrameOptions frame_options(const Parts& parts) {
@@ -70,7 +65,7 @@ Status connect(Parts& parts) {
   client.program = "farfield-client " FARFIELD_VERSION;
   client.display = options.display;
   client.form = parts.renderer == Renderer::kCpu ? DecodeForm::kSplats : DecodeForm::kMesh;
-  client.store_bytes = options.memory_bytes;
+  client.store_bytes = store_bytes(options.memory_bytes, parts.renderer, parts.is_software);
   parts.core = std::make_unique<ClientCore>(client);
   parts.core->start();
   // A server that is just starting needs no word; whoever has waited longer is told why.
@@ -169,9 +164,7 @@ Result<RunReport> walk(Parts& parts) {
   }
   Result<std::optional<Trace>> trace = load_trace(parts.options);
   if (!trace) return tl::unexpected(trace.error());
-  const Result<Renderer> renderer = choose_renderer(parts.options.renderer);
-  if (!renderer) return tl::unexpected(renderer.error());
-  parts.renderer = *renderer;
+  if (Status status = choose_renderer(parts); !status) return tl::unexpected(status.error());
   if (Status status = connect(parts); !status) return tl::unexpected(status.error());
   if (!parts.options.is_quiet) {
     complain(parts.talk, "farfield-client", fmt::format("{} at {}, {} triangles", parts.scene.name,

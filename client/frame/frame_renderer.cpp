@@ -49,7 +49,6 @@ struct FrameRenderer::State {
   FrameOptions options;
   std::unique_ptr<GlContext> own_context;  // destroyed last
   GlAbilities abilities;
-  bool is_software = false;  // OpenGL without a GPU
   Framebuffer target;
   std::unique_ptr<NearRenderer> near;
   std::unique_ptr<ImpostorRenderer> impostors;  // kGl
@@ -85,7 +84,7 @@ void FrameRenderer::State::render_cpu(const LeafView& leaf, const Pose& eye, Fra
   report.near =
       near->draw(leaf, ViewTransform::of(near_display(renderer, display, options.samples_per_pixel), eye, near_plane));
   // A GPU draws while the impostors are warped; without one, both would only take each other's cores and caches.
-  is_software ? glFinish() : glFlush();
+  abilities.is_software ? glFinish() : glFlush();
   report.times.near_ms = lap();
   warper->scatter(leaf, eye, display);
   report.times.impostors_ms = lap();
@@ -109,7 +108,7 @@ void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Fram
   target.begin();
   report.near = near->draw(leaf, view);
   // Waiting here would only serve the clock: without a GPU it costs nothing, with one it would idle it.
-  if (is_software) glFinish();
+  if (abilities.is_software) glFinish();
   report.times.near_ms = lap();
   report.impostors = impostors->draw(leaf, view);
   target.resolve();
@@ -130,6 +129,11 @@ void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Fram
   frame.statistics.triangles_drawn = report.impostors.triangles;
   frame.statistics.tiles_drawn = report.impostors.tiles_drawn;
   report.times.resolve_ms = lap();
+}
+
+std::size_t store_bytes(std::size_t memory_bytes, Renderer renderer, bool is_software) {
+  if (renderer == Renderer::kCpu || !is_software) return memory_bytes;
+  return memory_bytes - std::min(memory_bytes / 2, FrameOptions().impostors.budget_bytes);
 }
 
 FrameRenderer::FrameRenderer() = default;
@@ -153,7 +157,6 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, 
     context = s.own_context.get();
   }
   s.abilities = context->abilities();
-  s.is_software = s.abilities.renderer.find("llvmpipe") != std::string::npos;
   if (Status made = s.make_target(display); !made) return tl::unexpected<Error>(made.error());
   Result<std::unique_ptr<NearRenderer>> near = NearRenderer::create(s.abilities, options.near);
   if (!near) return tl::unexpected<Error>(near.error());

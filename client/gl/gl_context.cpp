@@ -96,6 +96,9 @@ Status GlContext::read_abilities() {
   };
   abilities_.renderer = text(GL_RENDERER);
   abilities_.version = text(GL_VERSION);
+  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software"}) {
+    if (abilities_.renderer.find(name) != std::string::npos) abilities_.is_software = true;
+  }
   abilities_.is_embedded = !epoxy_is_desktop_gl();
   const int version = epoxy_gl_version();
   if (version < (abilities_.is_embedded ? 30 : 33) ||

@@ -15,6 +15,7 @@ namespace farfield::client {
 
 /// What the context offers beyond OpenGL ES 3.0.
 struct GlAbilities {
+  bool is_software = false;       // no GPU: Mesa's llvmpipe, softpipe or another program that names itself software
   bool is_embedded = true;        // OpenGL ES rather than desktop OpenGL
   bool has_clip_control = false;  // clip z in [0, 1]: distant depths keep a float's full precision
   bool has_multi_draw = false;

@@ -41,10 +41,10 @@ ImpostorPage::ImpostorPage(const PageShape& shape, int max_layers, std::uint32_t
                            std::uint32_t least_indices)
     : shape_(shape),
       layer_count_(layers_for(shape, max_layers)),
-      // Simplified meshes have a vertex for every sixteenth sample or fewer, and less than six indices per vertex.
+      // Simplified meshes have a vertex for every sixteenth sample or fewer, and some three indices per vertex.
       vertex_capacity_(
           std::max(least_vertices, static_cast<std::uint32_t>(layer_count_ * shape.width * shape.height / 16))),
-      index_capacity_(std::max(least_indices, 6 * vertex_capacity_)),
+      index_capacity_(std::max(least_indices, 4 * vertex_capacity_)),
       index_bytes_(vertex_capacity_ <= kShortIndices ? sizeof(std::uint16_t) : sizeof(std::uint32_t)),
       layers_(static_cast<std::uint32_t>(layer_count_)),
       vertices_(vertex_capacity_),

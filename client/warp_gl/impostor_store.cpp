@@ -27,7 +27,7 @@ bool ImpostorStore::is_acceptable(const DepthMesh& mesh) const {
                      [&](std::uint32_t index) { return index < mesh.vertices.size(); });
 }
 
-bool ImpostorStore::add(const DecodedTile& tile) {
+bool ImpostorStore::add(const DecodedTile& tile, std::uint64_t keep_from) {
   const DepthMesh& mesh = tile.mesh;
   if (!is_acceptable(mesh)) return false;
   const auto view = views_.acquire(tile.view_position, tile.side_m, mesh.face);
@@ -61,7 +61,7 @@ bool ImpostorStore::add(const DecodedTile& tile) {
         &pages_.emplace_back(shape, abilities_.max_texture_layers, static_cast<std::uint32_t>(mesh.vertices.size()),
                              static_cast<std::uint32_t>(mesh.indices.size()));
     held_bytes_ += resident.page->memory_bytes();
-    make_room(frame_ - 1);  // not what the last frame drew: it stays on the screen until all of this set is here
+    make_room(keep_from);
     place = resident.page->add(mesh, *view);
   }
   resident.place = *place;
@@ -72,6 +72,9 @@ bool ImpostorStore::add(const DecodedTile& tile) {
 UploadResult ImpostorStore::upload(const LeafView& leaf, std::size_t frame_upload_bytes) {
   UploadResult result;
   ++frame_;
+  // What the last frame drew stays on the screen until all of this set is here: at once, if nothing limits the upload.
+  const bool is_at_once = frame_upload_bytes == std::numeric_limits<std::size_t>::max();
+  const std::uint64_t keep_from = is_at_once ? frame_ : frame_ - 1;
   // What is wanted and here already must not make room for the rest.
   for (const auto& tile : leaf.tiles) {
     if (tile) find(*tile);
@@ -83,7 +86,7 @@ UploadResult ImpostorStore::upload(const LeafView& leaf, std::size_t frame_uploa
       result.is_complete = false;
       continue;  // the rest is still marked as wanted
     }
-    if (add(*tile)) {
+    if (add(*tile, keep_from)) {
       result.uploaded_bytes += bytes;
     } else {
       ++result.refused_tiles;

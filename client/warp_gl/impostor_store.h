@@ -50,7 +50,8 @@ class ImpostorStore {
   std::size_t held_bytes() const { return held_bytes_; }
 
  private:
-  bool add(const DecodedTile& tile);
+  /// `keep_from`: tiles wanted by that frame or a later one stay.
+  bool add(const DecodedTile& tile, std::uint64_t keep_from);
   bool is_acceptable(const DepthMesh& mesh) const;
   /// Evicts tiles last wanted before `frame`, longest unwanted first, while the budget is exceeded.
   void make_room(std::uint64_t frame);

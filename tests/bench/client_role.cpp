@@ -182,6 +182,8 @@ int run_client_role(const ClientRole& role) {
   frame_options.samples_per_pixel = role.samples;
   auto renderer = FrameRenderer::create(role.renderer == "gl" ? client::Renderer::kGl : client::Renderer::kCpu, role.display, frame_options);
   if (!renderer) return complain(renderer.error());
+  options.store_bytes = client::store_bytes(options.store_bytes, role.renderer == "gl" ? client::Renderer::kGl : client::Renderer::kCpu,
+                                            (*renderer)->abilities().is_software);
   ClientCore core(options);
   core.start();
   const auto scene = core.wait_welcome(std::chrono::seconds(60));
