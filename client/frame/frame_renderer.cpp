@@ -83,21 +83,28 @@ void FrameRenderer::State::render_cpu(const LeafView& leaf, const Pose& eye, Fra
   target.begin();
   report.near =
       near->draw(leaf, ViewTransform::of(near_display(renderer, display, options.samples_per_pixel), eye, near_plane));
-  // A GPU draws while the impostors are warped; without one, both would only take each other's cores and caches.
-  abilities.is_software ? glFinish() : glFlush();
-  report.times.near_ms = lap();
-  warper->scatter(leaf, eye, display);
-  report.times.impostors_ms = lap();
-  glFinish();
-  report.times.near_ms += lap();
-  const std::size_t pixels = static_cast<std::size_t>(target.width()) * static_cast<std::size_t>(target.height());
-  colour.resize(4 * pixels);
-  depth.resize(pixels);
-  target.read_colour(colour);
-  target.read_depth(depth);
-  report.times.read_back_ms = lap();
-  const NearLayer near_layer{target.width(), target.height(), colour, depth, static_cast<float>(1.0 / near_plane)};
-  warper->finish(&near_layer, frame);
+  const auto read_near = [&] {
+    glFinish();
+    report.times.near_ms += lap();
+    const std::size_t pixels = static_cast<std::size_t>(target.width()) * static_cast<std::size_t>(target.height());
+    colour.resize(4 * pixels);
+    depth.resize(pixels);
+    target.read_colour(colour);
+    target.read_depth(depth);
+    report.times.read_back_ms = lap();
+    return NearLayer{target.width(), target.height(), colour, depth, static_cast<float>(1.0 / near_plane)};
+  };
+  if (abilities.is_software) {  // both would only take each other's cores and caches
+    const NearLayer near_layer = read_near();
+    warper->draw(leaf, eye, display, &near_layer, frame);
+  } else {  // a GPU draws while the impostors are warped
+    glFlush();
+    report.times.near_ms = lap();
+    warper->scatter(leaf, eye, display, nullptr);
+    report.times.impostors_ms = lap();
+    const NearLayer near_layer = read_near();
+    warper->finish(&near_layer, frame);
+  }
   report.times.impostors_ms += lap();
 }
 

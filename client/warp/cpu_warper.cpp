@@ -30,8 +30,10 @@ struct TileJob {
   TileFootprint footprint;
 };
 
-/// Merges the near layer into rows of the key buffer. `scale`: frame pixels per layer pixel.
-void merge_near(const NearLayer& near, int width, int first_row, int last_row, int scale, std::uint64_t* keys) {
+/// Merges the near layer into rows of the key buffer.
+void merge_near(const NearLayer& near, const Display& display, int first_row, int last_row, std::uint64_t* keys) {
+  const int width = display.width, scale = width / near.width;  // frame pixels per layer pixel
+  assert(near.width * scale == width && near.height * scale == display.height);
   const auto stride = static_cast<std::size_t>(width), columns = static_cast<std::size_t>(near.width);
   std::vector<std::uint32_t> colours(columns);  // byte arrays may not be read as words
   std::vector<std::uint64_t> layer(columns);
@@ -68,7 +70,7 @@ struct CpuWarper::State {
   explicit State(const CpuWarperOptions& chosen)
       : options(chosen), arena(chosen.threads > 0 ? chosen.threads : tbb::task_arena::automatic) {}
 
-  void scatter(const LeafView& leaf, const Pose& eye, const Display& shown);
+  void scatter(const LeafView& leaf, const Pose& eye, const Display& shown, const NearLayer* near);
   void finish(const NearLayer* near, Frame& frame);
   void resolve(const NearLayer* near, Frame& frame);
   void find_jobs(const LeafView& leaf, const Pose& eye);
@@ -112,7 +114,7 @@ void CpuWarper::State::find_jobs(const LeafView& leaf, const Pose& eye) {
   }
 }
 
-void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Display& shown) {
+void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Display& shown, const NearLayer* near) {
   display = shown;
   if (options.samples_per_pixel == 4) display.width *= 2, display.height *= 2;
   find_jobs(leaf, eye);
@@ -123,6 +125,7 @@ void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Disp
   keys.resize(stride * static_cast<std::size_t>(display.height));
   for_each_band(display.width, display.height, [&](int first_row, int last_row) {
     std::fill(keys.data() + first_row * stride, keys.data() + last_row * stride, kNoSplat);
+    if (near) merge_near(*near, display, first_row, last_row, keys.data());
     const PixelWindow window{display.width, first_row, last_row};
     for (const TileJob& job : jobs) {
       if (job.footprint.last_row < first_row || job.footprint.first_row >= last_row) continue;
@@ -135,10 +138,8 @@ void CpuWarper::State::resolve(const NearLayer* near, Frame& frame) {
   begin_frame(frame, display.width, display.height);
   frame.statistics = statistics;
   if (near) {
-    const int scale = display.width / near->width;
-    assert(near->width * scale == display.width && near->height * scale == display.height);
     for_each_band(frame.width, frame.height, [&](int first_row, int last_row) {
-      merge_near(*near, frame.width, first_row, last_row, scale, keys.data());
+      merge_near(*near, display, first_row, last_row, keys.data());
     });
   }
   std::atomic<std::uint64_t> cracks{0}, uncovered{0};
@@ -168,9 +169,9 @@ CpuWarper::CpuWarper(const CpuWarperOptions& options) : state_(std::make_unique<
 }
 CpuWarper::~CpuWarper() = default;
 
-void CpuWarper::scatter(const LeafView& leaf, const Pose& eye, const Display& display) {
+void CpuWarper::scatter(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near) {
   assert(display.width > 0 && display.height > 0);
-  state_->arena.execute([&] { state_->scatter(leaf, eye, display); });
+  state_->arena.execute([&] { state_->scatter(leaf, eye, display, near); });
 }
 
 void CpuWarper::finish(const NearLayer* near, Frame& frame) {
@@ -179,8 +180,8 @@ void CpuWarper::finish(const NearLayer* near, Frame& frame) {
 
 void CpuWarper::draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near,
                      Frame& frame) {
-  scatter(leaf, eye, display);
-  finish(near, frame);
+  scatter(leaf, eye, display, near);
+  finish(nullptr, frame);
 }
 
 }  // namespace farfield::client

@@ -2,8 +2,8 @@
 // Draws impostors on the CPU: splats of all tiles, scattered into a depth-and-colour buffer, with near geometry drawn
 // elsewhere merged by depth. For machines without a GPU, where it is several times faster than OpenGL.
 //
-// A frame: cull tiles and find the rows they reach -> per band of rows, in parallel: clear, project and scatter ->
-// merge the near layer -> close cracks -> fill voids. Bands fit in a core's cache and share nothing, so the result
+// A frame: cull tiles and find the rows they reach -> per band of rows, in parallel: clear, merge the near layer if it is
+// there, project and scatter -> merge it now if it was not -> close cracks -> fill voids. Bands fit in a core's cache and share nothing, so the result
 // does not depend on the number of threads.
 //
 // Based on: McMillan & Bishop 1995; Shade et al. 1998 (splatting layered depth images).
@@ -29,11 +29,13 @@ class CpuWarper {
   explicit CpuWarper(const CpuWarperOptions& options = {});
   ~CpuWarper();
 
-  /// Draws `leaf` as seen from `eye` (scene frame) into the warper's own buffer, while the near layer may still be drawn
-  /// elsewhere. One call at a time. Requires: the display has at least one pixel.
-  void scatter(const LeafView& leaf, const Pose& eye, const Display& display);
-  /// Finishes what scatter() began. `near` may be null; its size must be the display's, or with 4 samples per pixel twice
-  /// that in both directions. `frame` is overwritten; reusing it saves allocations.
+  /// Draws `leaf` as seen from `eye` (scene frame) into the warper's own buffer. `near` may be null, or still be drawn
+  /// elsewhere and given to finish(); known here, it saves drawing what lies behind it. Its size must be the display's,
+  /// or with 4 samples per pixel twice that in both directions. One call at a time. Requires: the display has at least
+  /// one pixel.
+  void scatter(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near);
+  /// Finishes what scatter() began. `near`: null if scatter() had it. `frame` is overwritten; reusing it saves
+  /// allocations.
   void finish(const NearLayer* near, Frame& frame);
   /// Both.
   void draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near, Frame& frame);
