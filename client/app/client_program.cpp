@@ -32,8 +32,9 @@ struct Parts {
 
 Status choose_renderer(Parts& parts) {
   const Result<std::unique_ptr<GlContext>> context = GlContext::create_surfaceless();
-  if (!context) return tl::unexpected(context.error());
-  parts.is_software = (*context)->abilities().is_software;
+  // Only who leaves the choice to us needs this context: a window brings its own.
+  if (!context && parts.options.renderer == RendererChoice::kAuto) return tl::unexpected(context.error());
+  parts.is_software = context && (*context)->abilities().is_software;
   const bool is_cpu = parts.options.renderer == RendererChoice::kCpu ||
                       (parts.options.renderer == RendererChoice::kAuto && parts.is_software);
   parts.renderer = is_cpu ? Renderer::kCpu : Renderer::kGl;
