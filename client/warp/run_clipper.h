@@ -36,7 +36,7 @@ class RunClipper {
     }
   }
 
-  /// Whether all of the run lies beyond one border: a tenth of the cost of projecting eight samples.
+  /// Whether all of the run lies beyond one border: cheaper than clip(), for runs too short to be worth it.
   bool is_outside(const SplatRun& run) const {
     bool is_outside = false;
     for (int k = 0; k < 4; ++k) {

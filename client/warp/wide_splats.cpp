@@ -13,8 +13,7 @@ namespace {
 constexpr int kBlockEdge = 4;
 constexpr int kBlockPixels = kBlockEdge * kBlockEdge;
 
-/// Whether all pixels of the splat's rectangle already show something nearer: with several layers, half of all splats
-/// end here. A splat reaches less than one sample from its own along either axis, so this is the nearest it can be;
+/// Whether all pixels of the splat's rectangle already show something nearer, as behind near geometry. A splat reaches less than one sample from its own along either axis, so this is the nearest it can be;
 /// 2⁻²⁰ covers the three roundings on the way.
 bool is_hidden(const ProjectedRow& row, int i, int width, const std::uint64_t* keys) {
   const float nearest = (row.disparity[i] + std::fabs(row.disparity_s[i]) + std::fabs(row.disparity_t[i])) * (1 + 0x1p-20f);

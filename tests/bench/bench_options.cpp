@@ -55,7 +55,7 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   app.add_flag("!--no-realtime", bench.is_realtime_wanted, "lockstep only");
   app.add_option("--json", bench.json, "write the report here; - for standard output");
   app.add_option("--plot", bench.plot, "write frame time against error here, SVG");
-  app.add_option("--frames-folder", bench.frames_folder, "write every method's frames and truth here as NNNN-METHOD.png");
+  app.add_option("--frames-dir", bench.frames_folder, "write every method's frames and truth here as NNNN-METHOD.png");
   app.add_option("--contact-sheet", bench.contact_sheet, "write a PNG of the methods' frames above truth");
   // The measured client: farfield-bench starts itself with these.
   std::string role;

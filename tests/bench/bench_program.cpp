@@ -51,6 +51,10 @@ Status run_bench(const BenchOptions& options) {
     if (file.empty()) continue;
     if (Status status = check_file_can_be_written(file); !status) return status;
   }
+  if (std::error_code error; !options.frames_folder.empty()) {
+    std::filesystem::create_directories(options.frames_folder, error);
+    if (error) return fail(ErrorCode::kIo, "--frames-dir {}: cannot be made ({})", options.frames_folder.string(), error.message());
+  }
   const Result<World> world = make_world(options);
   if (!world) return tl::unexpected(world.error());
   const Result<std::vector<MethodResult>> methods = run_methods(*world);

@@ -14,7 +14,7 @@ nlohmann::json to_json(const World& world, const std::vector<MethodResult>& meth
 void print_table(const std::vector<MethodResult>& methods, std::ostream& out);
 /// Frame time against FLIP, one point per method. Errors: kIo.
 Status write_plot(const std::filesystem::path& file, const std::vector<MethodResult>& methods);
-/// All frames of all methods and truth, NNNN-METHOD.png. Errors: kIo.
+/// All frames of all methods and truth, NNNN-METHOD.png. Requires: the folder exists. Errors: kIo.
 Status write_frames(const std::filesystem::path& folder, const World& world, const std::vector<MethodResult>& methods);
 /// Rows: each method's frames, then truth; columns: up to six frames of the trace. Errors: kIo.
 Status write_contact_sheet(const std::filesystem::path& file, const World& world, const std::vector<MethodResult>& methods);

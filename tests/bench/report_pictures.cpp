@@ -50,9 +50,6 @@ Status write_contact_sheet(const std::filesystem::path& file, const World& world
 }
 
 Status write_frames(const std::filesystem::path& folder, const World& world, const std::vector<MethodResult>& methods) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return fail(ErrorCode::kIo, "--frames-folder {}: cannot be made ({})", folder.string(), error.message());
   const Display& display = world.options.display;
   const auto write = [&](const std::string& name, std::size_t k, const std::vector<std::uint8_t>& rgb) {
     Image8 image(display.width, display.height, 3);

@@ -99,5 +99,34 @@ TEST(Connectivity, CutsLieWithinAnEighthOfASampleOfTheEdge) {
   EXPECT_NEAR(static_cast<double>(cuts_right), 2 * rows, 6);
 }
 
+// A ceiling that runs through the whole shell: where it comes in and where it leaves is known exactly.
+TEST(Connectivity, SurfacesGoOnBeyondTheBordersOfTheShell) {
+  const double height = 0.7;  // within this tile at both borders
+  const PlacedScene placed = Blocks().quad({-40, height, -40}, {80, 0, 0}, {0, 0, 80}, {150, 150, 150, 255}).build();
+  const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0, false);
+  const int edge = face_samples(3);
+  TileWork work;
+  const Tile tile = cast_dense_tile(*placed.scene, space, placed.at(glm::dvec3(0)), {{}, kIntraView, 0, 1, 1}, edge, kWarpGain, 1e-4, nullptr, work);
+  // Face +X: u runs along y, so that the ceiling is seen at u = height / x.
+  const auto check = [&](double x, bool is_covered_before) {
+    const double crossing = sample_index(edge, height / x) - kTileStride;
+    const int first = static_cast<int>(std::floor(crossing));
+    int checked = 0;
+    for (int row = 40; row < 80; ++row) {
+      const std::size_t at = static_cast<std::size_t>(row) * kTileSamples + static_cast<std::size_t>(first);
+      ASSERT_EQ(tile.coverage[at] != 0, is_covered_before);
+      ASSERT_NE(tile.cut_right[at], kConnected);
+      const double place = (tile.cut_right[at] - 0.5) / 8, exact = crossing - first;
+      const double beyond = is_covered_before ? place - exact : exact - place;
+      if (tile.cut_right[at] > 1 && tile.cut_right[at] < 8) ASSERT_NEAR(beyond, 2.0 / 8, 1.0 / 16 + 1e-3);
+      ASSERT_GE(beyond, -1.0 / 16 - 1e-3);
+      ++checked;
+    }
+    EXPECT_EQ(checked, 40);
+  };
+  check(2.5, true);   // the near region's side: farther away is more to the left
+  check(5.0, false);  // the parent's
+}
+
 }  // namespace
 }  // namespace farfield
