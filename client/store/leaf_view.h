@@ -51,7 +51,7 @@ struct LeafView {
   CellId leaf;
   Box leaf_box;                    // scene frame
   Box near_region;                 // scene frame; chunks are cut here per fragment
-  bool is_fallback = false;        // the fallback view: near_region is the cell's own box
+  bool is_fallback = false;        // the fallback view: near_region is NestedShells::fallback_region()
   bool is_complete = false;
   bool background_visible = true;  // false: a pixel nothing covers is a void, never sky
   DirectionMask sky = DirectionMask::all();  // and where else it may be sky

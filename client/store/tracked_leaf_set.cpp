@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/cells/nested_shells.h"
+
 namespace farfield::client {
 TrackedLeafSet::TrackedLeafSet(LeafSet set, const SceneFrame& frame, const PayloadStore& store)
     : set_(std::move(set)),
@@ -47,7 +49,7 @@ std::shared_ptr<const LeafView> TrackedLeafSet::view(const PayloadStore& store, 
   auto view = std::make_shared<LeafView>();
   view->leaf = set_.leaf;
   view->leaf_box = box_;
-  view->near_region = set_.is_fallback ? box_ : box_.grown(frame.kappa * side_m_);
+  view->near_region = box_.grown((set_.is_fallback ? NestedShells::kFallbackKappa : frame.kappa) * side_m_);
   view->is_fallback = set_.is_fallback;
   view->is_complete = is_complete();
   view->background_visible = set_.background_visible;

@@ -17,6 +17,12 @@ struct NestedShells {
 
   Box near_region(const CellId& cell) const { return grid.box(cell).grown(kappa * grid.side_m(cell.level)); }
 
+  /// What a fallback view leaves to near geometry, in sides around its cell. design.md section 2 has it begin at the cell's
+  /// own box; there surfaces that touch the box are stretched without bound and a third of a frame in a corridor was void.
+  /// From a margin of one side a surface that faces the view is magnified at most (1/2 + 1)/1 = 1.5 times.
+  static constexpr double kFallbackKappa = 1.0;
+  Box fallback_region(const CellId& cell) const { return grid.box(cell).grown(kFallbackKappa * grid.side_m(cell.level)); }
+
   static constexpr int kNear = -1;
   /// The level of the shell that holds `point` for a viewer in `leaf`, kNear inside the leaf's near region. The
   /// root's shell reaches to infinity. Requires: root is an ancestor of leaf (or leaf itself).

@@ -25,34 +25,27 @@ double face_gain(int face, const glm::dvec3& eye, double nearest) {
   return worst;
 }
 
-double gain(const glm::dvec3& view_offset, double margin, double eye_range) {
-  double worst = 0;
-  for (int face = 0; face < kCubeFaces; ++face) {
-    const CubeFace frame = CubeFace::of(face);
-    const double nearest = 0.5 + margin - frame.sign * view_offset[frame.axis];
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::dvec3 eye{corner & 1 ? eye_range : -eye_range, corner & 2 ? eye_range : -eye_range,
-                           corner & 4 ? eye_range : -eye_range};
-      worst = std::max(worst, face_gain(face, eye - view_offset, nearest));
-    }
-  }
-  return worst;
-}
-
 }  // namespace
 
 double edge_samples_for(const Display& display, double kappa) {
   return 2.0 * (kappa + 0.5) / (kappa * display.pixel_pitch());
 }
 
-double warp_gain(const glm::dvec3& view_offset, double kappa) { return gain(view_offset, kappa, 0.5); }
+double warp_gain(const glm::dvec3& view_offset, double kappa) {
+  double worst = 0;
+  for (int face = 0; face < kCubeFaces; ++face) {
+    const CubeFace frame = CubeFace::of(face);
+    const double nearest = 0.5 + kappa - frame.sign * view_offset[frame.axis];
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 eye{corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5};
+      worst = std::max(worst, face_gain(face, eye - view_offset, nearest));
+    }
+  }
+  return worst;
+}
 
 double disparity_tolerance(const glm::dvec3& view_offset, double kappa, double tau_px, const Display& display) {
   return tau_px * display.pixel_pitch() / warp_gain(view_offset, kappa);
-}
-
-double fallback_disparity_tolerance(double tau_px, const Display& display) {
-  return tau_px * display.pixel_pitch() / gain(glm::dvec3(0), 0.0, 0.25);
 }
 
 }  // namespace farfield

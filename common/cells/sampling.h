@@ -29,8 +29,4 @@ double warp_gain(const glm::dvec3& view_offset, double kappa);
 /// The tolerance of disparity, 1/side, that keeps the warp within tau pixels at the frame's centre: tau·p/K.
 double disparity_tolerance(const glm::dvec3& view_offset, double kappa, double tau_px, const Display& display);
 
-/// The fallback view starts at the cell's own box (kappa = 0), where no bound over the whole cell exists: its tolerance
-/// holds within the middle half of the cell.
-double fallback_disparity_tolerance(double tau_px, const Display& display);
-
 }  // namespace farfield

@@ -22,7 +22,8 @@ inline constexpr int kRegionSamples = kRegionBlocks * kBlockSamples;
 
 inline constexpr std::uint8_t kIntraView = 0;
 inline constexpr std::uint8_t kMaxDeltaViews = 32;
-/// The fallback view (design.md section 2): everything beyond the cell's own box, at a quarter of the resolution.
+/// The fallback view (design.md section 2): everything beyond the cell's near surroundings
+/// (NestedShells::fallback_region()), at a quarter of the resolution.
 inline constexpr std::uint8_t kFallbackView = 255;
 
 /// Samples along a face's edge for `tiles` tiles.

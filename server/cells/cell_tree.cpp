@@ -9,6 +9,9 @@ namespace {
 
 constexpr std::size_t kRememberedVisibilities = 16;
 
+// What stands around the cell is drawn and sent whole, hidden or not, and before anything else: a part of the budget.
+constexpr std::uint32_t kFallbackShare = 2;
+
 const std::atomic<bool>* pointer(const CancelFlag& flag) { return flag.get(); }
 
 }  // namespace
@@ -59,29 +62,50 @@ std::size_t CellTree::triangles_of(const std::vector<std::uint32_t>& chunks) con
 }
 
 Result<CellTree::Kind> CellTree::classify(const CellId& cell, const CancelFlag& cancel) {
+  if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
+  std::shared_ptr<Verdict> verdict;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto found = kinds_.find(cell); found != kinds_.end()) return found->second;
+    std::shared_ptr<Verdict>& slot = verdicts_[cell];
+    if (!slot) slot = std::make_shared<Verdict>();
+    verdict = slot;
   }
-  const auto decide = [&]() -> Result<Kind> {
-    if (cell.level == 0) return Kind::kLeaf;
-    const Box near_box = shells_.near_region(cell);
-    if (triangles_of(scene_->chunks_in(near_box)) <= near_triangles_) return Kind::kLeaf;
-    // A coarse probe finds most of what is visible: enough to reject a cell that is far above the budget.
-    VisibilityProbe coarse{.edge = 32, .enough_triangles = near_triangles_, .is_thorough = false, .cancel = pointer(cancel)};
-    if (probe_visibility(*scene_, shells_.grid.box(cell), near_box, coarse).is_cut_short)
-      return is_cancelled(cancel) ? Result<Kind>(fail(ErrorCode::kCancelled, "cancelled")) : Result<Kind>(Kind::kInner);
-    const auto fine = visibility(cell, cancel);
-    if (!fine) return tl::unexpected(fine.error());
-    // A cell that samples of its viewpoints cannot speak for is divided until they can.
-    return (*fine)->near_triangles <= near_triangles_ && (*fine)->is_converged ? Kind::kLeaf : Kind::kInner;
-  };
-  const Result<Kind> kind = decide();
-  if (kind) {
-    const std::lock_guard lock(mutex_);
-    kinds_.emplace(cell, *kind);
+  // Every viewer nearby needs this answer: it is found once, and a search that has begun is not thrown away.
+  const std::lock_guard lock(verdict->mutex);
+  if (!verdict->kind) verdict->kind = decide(cell);
+  return *verdict->kind;
+}
+
+CellTree::Kind CellTree::decide(const CellId& cell) {
+  if (cell.level == 0) return Kind::kLeaf;
+  const Box box = shells_.grid.box(cell), near_box = shells_.near_region(cell);
+  if (triangles_of(scene_->chunks_in(near_box)) <= near_triangles_) return Kind::kLeaf;
+  // A coarse probe finds most of what is visible: enough to reject a cell that is far above the budget.
+  if (probe_visibility(*scene_, box, near_box, {.edge = 32, .enough_triangles = near_triangles_, .is_thorough = false}).is_cut_short)
+    return Kind::kInner;
+  auto fine = std::make_shared<BoxVisibility>(probe_visibility(*scene_, box, near_box, {.enough_triangles = near_triangles_}));
+  // A cell that samples of its viewpoints cannot speak for is divided until they can.
+  if (fine->is_cut_short || !fine->is_converged) return Kind::kInner;
+  remember(cell, std::move(fine));
+  return Kind::kLeaf;
+}
+
+void CellTree::remember(const CellId& cell, std::shared_ptr<const BoxVisibility> visibility) {
+  const std::lock_guard lock(mutex_);
+  recent_.emplace_front(cell, std::move(visibility));
+  if (recent_.size() > kRememberedVisibilities) recent_.pop_back();
+}
+
+CellId CellTree::fallback_cell(const glm::dvec3& viewpoint) const {
+  const glm::dvec3 held = on_grid(viewpoint);
+  const CellId root = root_for(held);
+  CellId cell = shells_.grid.cell_at(held, 0);
+  while (cell.level < root.level) {
+    const CellId next = cell.parent();
+    if (triangles_of(scene_->chunks_in(shells_.fallback_region(next))) > near_triangles_ / kFallbackShare) break;
+    cell = next;
   }
-  return kind;
+  return cell;
 }
 
 Result<std::shared_ptr<const BoxVisibility>> CellTree::visibility(const CellId& cell, const CancelFlag& cancel) {
@@ -102,9 +126,7 @@ Result<std::shared_ptr<const BoxVisibility>> CellTree::visibility(const CellId& 
     made->near_triangles = triangles;
   }
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
-  const std::lock_guard lock(mutex_);
-  recent_.emplace_front(cell, made);
-  if (recent_.size() > kRememberedVisibilities) recent_.pop_back();
+  remember(cell, made);
   return made;
 }
 

@@ -6,6 +6,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 
 #include "common/cells/nested_shells.h"
@@ -30,6 +31,11 @@ class CellTree {
   /// The leaf that holds on_grid(viewpoint). Casts rays only where no earlier call has decided. Errors: kCancelled.
   Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel);
 
+  /// The cell whose fallback view is made for a viewpoint before its leaf is known: the largest whose fallback_region()
+  /// holds at most half of the budget's triangles, hidden or not, else the finest. Like a leaf it is small where the model
+  /// is dense, but asks for no ray. O(levels · chunks in the region).
+  CellId fallback_cell(const glm::dvec3& viewpoint) const;
+
   /// Whether a cell is a leaf of the tree. Requires: it holds a leaf or is one. Errors: kCancelled.
   Result<bool> is_leaf(const CellId& cell, const CancelFlag& cancel);
 
@@ -39,7 +45,15 @@ class CellTree {
  private:
   enum class Kind { kLeaf, kInner };
   std::size_t triangles_of(const std::vector<std::uint32_t>& chunks) const;
+  /// What a cell is, and the lock of whoever finds out.
+  struct Verdict {
+    std::mutex mutex;
+    std::optional<Kind> kind;
+  };
+  /// Remembers the answer, whoever asked; callers that meet wait for each other. Errors: kCancelled, before it began.
   Result<Kind> classify(const CellId& cell, const CancelFlag& cancel);
+  Kind decide(const CellId& cell);
+  void remember(const CellId& cell, std::shared_ptr<const BoxVisibility> visibility);
 
   const std::shared_ptr<const Scene> scene_;
   const NestedShells shells_;
@@ -47,7 +61,7 @@ class CellTree {
   CellId scene_root_;
 
   std::mutex mutex_;  // guards everything below; never held while rays are cast
-  std::unordered_map<CellId, Kind> kinds_;
+  std::unordered_map<CellId, std::shared_ptr<Verdict>> verdicts_;
   std::list<std::pair<CellId, std::shared_ptr<const BoxVisibility>>> recent_;  // newest first
 };
 

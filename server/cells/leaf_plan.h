@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a viewer standing in one leaf cell needs: the tiles of the leaf's and its ancestors' shells that some viewpoint
-// of the leaf can see, and the near geometry.
+// of the leaf can see, and the near geometry. Or, until that is known and made, the fallback view of a cell around them.
 #pragma once
 
 #include <atomic>
@@ -21,10 +21,10 @@ struct NeededTile {
 };
 
 struct LeafPlan {
-  CellId leaf;
+  CellId leaf;                          // of a fallback view: the cell it is made for, which need not be a leaf
+  bool is_fallback = false;
   CellId root;                          // the last ancestor whose shell holds anything but background
   std::vector<NeededTile> tiles;        // sorted by descending view_share within each shell, nearest shell first
-  std::vector<TileId> fallback_tiles;   // of the leaf's fallback view, same order
   std::vector<std::uint32_t> chunks;    // indices into Scene::chunks(), sorted by ascending distance
   std::uint32_t near_triangles = 0;     // of those chunks
   bool exceeds_budget = false;          // at the finest side and still above the geometry budget
@@ -38,8 +38,8 @@ using CancelFlag = std::shared_ptr<const std::atomic<bool>>;
 inline bool is_cancelled(const CancelFlag& flag) { return flag && flag->load(std::memory_order_relaxed); }
 
 /// The cell octree of one scene. Thread-safe; the answers depend on scene and settings only, never on who asked
-/// first. Both calls may cast some million rays (tens of milliseconds to a second) the first time a region is asked
-/// for, on the calling thread, and remember the result.
+/// first. leaf_at() and plan() may cast some million rays (tens of milliseconds to a second) the first time a region is
+/// asked for, on the calling thread, and remember the result.
 class LeafSource {
  public:
   virtual ~LeafSource() = default;
@@ -47,6 +47,9 @@ class LeafSource {
   virtual Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) = 0;
   /// Requires: `leaf` came from leaf_at. Errors: kCancelled.
   virtual Result<std::shared_ptr<const LeafPlan>> plan(const CellId& leaf, const CancelFlag& cancel) = 0;
+  /// The fallback view for a viewpoint: everything beyond a cell's fallback_region(), and the geometry in it. Needs no leaf:
+  /// some ten thousand rays, a few milliseconds.
+  virtual std::shared_ptr<const LeafPlan> fallback(const glm::dvec3& viewpoint) = 0;
 };
 
 }  // namespace farfield

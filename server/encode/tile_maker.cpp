@@ -26,14 +26,14 @@ int TileMaker::quality_of(const TileId& id) const {
 TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
                      const ImpostorSettings& settings)
     : scene_(std::move(scene)), catalogue_(std::move(catalogue)), shells_(shells), settings_(settings), tree_(std::move(tree)),
-      central_gain_(warp_gain(glm::dvec3(0), settings.kappa)),
-      fallback_tolerance_(fallback_disparity_tolerance(settings.tau_px, settings.display)) {}
+      fallback_gain_(warp_gain(glm::dvec3(0), NestedShells::kFallbackKappa)) {}
 
 Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWork& work) {
   if (id.view == kFallbackView) {
     const CellSpace space = CellSpace::of_fallback(shells_, id.cell);
     const int edge = face_samples(std::max(1, settings_.face_tiles / 4));
-    return cast_dense_tile(*scene_, space, space.box.center(), id, edge, central_gain_, fallback_tolerance_, nullptr, work);
+    const double tolerance = settings_.tau_px * settings_.display.pixel_pitch() / fallback_gain_;
+    return cast_dense_tile(*scene_, space, space.box.center(), id, edge, fallback_gain_, tolerance, nullptr, work);
   }
   const auto views = catalogue_->views(id.cell, cancel);
   if (!views) return tl::unexpected(views.error());

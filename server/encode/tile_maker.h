@@ -39,7 +39,7 @@ class TileMaker : public TileSource {
                                                               const CancelFlag& cancel);
 
   const std::shared_ptr<CellTree> tree_;
-  const double central_gain_, fallback_tolerance_;  // of views at a cell's centre
+  const double fallback_gain_;
   SkipCounters skips_;
   std::mutex mutex_;  // guards recent_
   std::list<std::pair<std::pair<CellId, int>, std::shared_ptr<const VisibleBlocks>>> recent_;  // of leaves' views, newest first

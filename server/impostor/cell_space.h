@@ -23,10 +23,10 @@ struct CellSpace {
     if (cell.level < root.level) space.shell.outside = shells.near_region(cell.parent());
     return space;
   }
-  /// Everything beyond the cell's own box: what the fallback view shows.
+  /// What the fallback view shows: NestedShells::kFallbackKappa.
   static CellSpace of_fallback(const NestedShells& shells, const CellId& cell) {
     CellSpace space{cell, shells.grid.box(cell), shells.grid.side_m(cell.level), {}};
-    space.shell.inside = space.box;
+    space.shell.inside = shells.fallback_region(cell);
     return space;
   }
   bool contains(const glm::dvec3& point) const { return shell.outside.contains(point) && !shell.inside.contains(point); }

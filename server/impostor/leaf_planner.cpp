@@ -83,13 +83,14 @@ class ShellNeeds {
   std::map<TileId, double> seen_;
 };
 
-std::vector<TileId> fallback_tiles(const CellId& leaf, const ImpostorSettings& settings) {
-  std::vector<TileId> tiles;
+std::vector<NeededTile> fallback_tiles(const CellId& cell, const ImpostorSettings& settings) {
+  std::vector<NeededTile> tiles;
   const int count = std::max(1, settings.face_tiles / 4);
+  const float share = 1.0f / static_cast<float>(kCubeFaces * count * count);
   for (int face = 0; face < kCubeFaces; ++face)
     for (int y = 0; y < count; ++y)
       for (int x = 0; x < count; ++x)
-        tiles.push_back({leaf, kFallbackView, static_cast<std::uint8_t>(face), static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y)});
+        tiles.push_back({{cell, kFallbackView, static_cast<std::uint8_t>(face), static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y)}, share});
   return tiles;
 }
 
@@ -101,6 +102,40 @@ LeafPlanner::LeafPlanner(std::shared_ptr<const Scene> scene, std::shared_ptr<Cel
 
 Result<CellId> LeafPlanner::leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) {
   return tree_->leaf_at(viewpoint, cancel);
+}
+
+void LeafPlanner::sort_chunks(LeafPlan& plan) const {
+  const glm::dvec3 center = shells_.grid.box(plan.leaf).center();
+  const auto distance = [&](std::uint32_t chunk) {
+    const Box& b = scene_->chunks()[chunk].bounds;
+    return glm::distance(center, glm::clamp(center, b.min, b.max));
+  };
+  std::sort(plan.chunks.begin(), plan.chunks.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const double da = distance(a), db = distance(b);
+    return da < db || (!(db < da) && a < b);
+  });
+}
+
+std::shared_ptr<const LeafPlan> LeafPlanner::fallback(const glm::dvec3& viewpoint) {
+  const double start = thread_seconds();
+  auto plan = std::make_shared<LeafPlan>();
+  plan->leaf = plan->root = tree_->fallback_cell(viewpoint);
+  plan->is_fallback = true;
+  plan->tiles = fallback_tiles(plan->leaf, settings_);
+  const Box box = shells_.grid.box(plan->leaf);
+  plan->chunks = scene_->chunks_in(shells_.fallback_region(plan->leaf));
+  sort_chunks(*plan);
+  for (const std::uint32_t chunk : plan->chunks) plan->near_triangles += scene_->chunks()[chunk].triangles;
+  plan->exceeds_budget = plan->near_triangles > settings_.near_triangles;
+  // Where the sky may fill what the view does not hold: one ray for each of the mask's squares.
+  cast_sphere(*scene_, glm::clamp(viewpoint, box.min, box.max), DirectionMask::kEdge, {0.5, 0.5}, {},
+              [&](const RayPacket& rays, const HitPacket& hits, const double*) {
+                for (int lane = 0; lane < kPacketSize; ++lane)
+                  if (hits.part[lane] == kNoHit) plan->sky.insert({rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]});
+              });
+  plan->background_visible = true;
+  plan->seconds = thread_seconds() - start;
+  return plan;
 }
 
 Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, const CancelFlag& cancel) {
@@ -116,20 +151,11 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
   // A leaf beside the scene's root: climb until one ancestor's near region holds the scene.
   while (plan->root.level < kMaxCellLevel && !shells_.near_region(plan->root).contains(scene_->bounds())) plan->root = plan->root.parent();
   plan->chunks = seen.near_chunks;
-  const glm::dvec3 center = shells_.grid.box(leaf).center();
-  const auto distance = [&](std::uint32_t chunk) {
-    const Box& b = scene_->chunks()[chunk].bounds;
-    return glm::distance(center, glm::clamp(center, b.min, b.max));
-  };
-  std::sort(plan->chunks.begin(), plan->chunks.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const double da = distance(a), db = distance(b);
-    return da < db || (!(db < da) && a < b);
-  });
+  sort_chunks(*plan);
   plan->near_triangles = static_cast<std::uint32_t>(seen.near_triangles);
   plan->exceeds_budget = seen.near_triangles > settings_.near_triangles;
   plan->background_visible = seen.escapes;
   plan->sky = seen.sky;
-  plan->fallback_tiles = fallback_tiles(leaf, settings_);
 
   std::vector<std::unique_ptr<ShellNeeds>> shells(plan->root.level + 1);
   for (const FarHit& hit : seen.far_hits) {

@@ -3,10 +3,6 @@
 // reaches are ever made: in a closed room the outer shells cost nothing.
 #pragma once
 
-#include <list>
-#include <mutex>
-#include <unordered_map>
-
 #include "server/cells/cell_tree.h"
 #include "server/impostor/view_catalogue.h"
 
@@ -19,9 +15,11 @@ class LeafPlanner : public LeafSource {
 
   Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) override;
   Result<std::shared_ptr<const LeafPlan>> plan(const CellId& leaf, const CancelFlag& cancel) override;
+  std::shared_ptr<const LeafPlan> fallback(const glm::dvec3& viewpoint) override;
 
  private:
-  Result<std::shared_ptr<const LeafPlan>> make_plan(const CellId& leaf, const CancelFlag& cancel);
+  /// Nearest to the cell's centre first.
+  void sort_chunks(LeafPlan& plan) const;
 
   const std::shared_ptr<const Scene> scene_;
   const std::shared_ptr<CellTree> tree_;

@@ -109,6 +109,9 @@ class CellService {
   /// The plan of the leaf that holds `viewpoint`. Errors: kCancelled, kUnavailable (overload).
   [[nodiscard]] virtual Ticket leaf(const glm::dvec3& viewpoint, const WorkPriority& priority,
                                     Answer<std::shared_ptr<const LeafPlan>> answer) = 0;
+  /// The fallback view around `viewpoint`: LeafPlan::is_fallback. Errors: kCancelled, kUnavailable (overload).
+  [[nodiscard]] virtual Ticket fallback(const glm::dvec3& viewpoint, const WorkPriority& priority,
+                                        Answer<std::shared_ptr<const LeafPlan>> answer) = 0;
   /// Single-flight over all sessions. Errors: kCancelled, kUnavailable.
   [[nodiscard]] virtual Ticket tile(const TileId& id, const WorkPriority& priority,
                                     Answer<std::shared_ptr<const EncodedTile>> answer) = 0;

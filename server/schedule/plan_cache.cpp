@@ -7,8 +7,7 @@ namespace farfield {
 namespace {
 
 std::size_t plan_memory_bytes(const LeafPlan& plan) {
-  return sizeof(LeafPlan) + plan.tiles.capacity() * sizeof(NeededTile) +
-         plan.fallback_tiles.capacity() * sizeof(TileId) + plan.chunks.capacity() * sizeof(std::uint32_t);
+  return sizeof(LeafPlan) + plan.tiles.capacity() * sizeof(NeededTile) + plan.chunks.capacity() * sizeof(std::uint32_t);
 }
 
 }  // namespace

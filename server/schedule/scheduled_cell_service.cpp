@@ -37,6 +37,7 @@ class ScheduledCellService final : public MeasuredCellService {
         plan_cache_(parts_.plan_cache_bytes, parts_.scene.settings.finest_side_m),
         plans_(parts_.pool->queue()),
         leaf_names_(parts_.pool->queue()),
+        fallbacks_(parts_.pool->queue()),
         tiles_(parts_.pool->queue()),
         geometry_(parts_.pool->queue()) {}
 
@@ -75,6 +76,23 @@ class ScheduledCellService final : public MeasuredCellService {
       lock.unlock();
       plans_.withdraw(request->leaf, waiting);
     });
+  }
+
+  Ticket fallback(const glm::dvec3& viewpoint, const WorkPriority& priority, Answer<SharedPlan> answer) override {
+    if (!is_finite(viewpoint)) {
+      answer(fail(ErrorCode::kInvalidArgument, "a fallback view was asked for at a viewpoint that is not a finite position"));
+      return {};
+    }
+    const CellId finest = grid_.cell_at(viewpoint, 0);
+    const auto waiter = fallbacks_.join(
+        finest, priority,
+        [this, middle = grid_.box(finest).center()](const CancelFlag&) -> Result<SharedPlan> {
+          SharedPlan plan = parts_.leaves->fallback(middle);
+          place_chunks(*plan);
+          return plan;
+        },
+        std::move(answer));
+    return Ticket([this, finest, waiter] { fallbacks_.withdraw(finest, waiter); });
   }
 
   Ticket tile(const TileId& id, const WorkPriority& priority, Answer<SharedTile> answer) override {
@@ -147,14 +165,18 @@ class ScheduledCellService final : public MeasuredCellService {
     plans_.withdraw(leaf, waiter);  // released between the two halves
   }
 
+  // What is only cheap after its first call is called here once, not on the session's thread.
+  void place_chunks(const LeafPlan& plan) const {
+    for (const std::uint32_t chunk : plan.chunks) parts_.geometry->placement(chunk);
+  }
+
   Result<SharedPlan> make_plan(const CellId& leaf, const CancelFlag& cancel) {
     // Finished between the first look and the start of this flight?
     if (SharedPlan known = plan_cache_.peek(leaf)) return known;
     Result<SharedPlan> made = parts_.leaves->plan(leaf, cancel);
     if (!made) return made;
     if (!*made) return fail(ErrorCode::kInternal, "the leaf source returned no plan and no error");
-    // What is only cheap after its first call is called here once, not on the session's thread.
-    for (const std::uint32_t chunk : (*made)->chunks) parts_.geometry->placement(chunk);
+    place_chunks(**made);
     plan_cache_.insert(*made);
     recorder_.add_plan(**made);
     return made;
@@ -187,6 +209,7 @@ class ScheduledCellService final : public MeasuredCellService {
   // Destroyed in the opposite order: names first, because their answers join plans.
   LeafRequest::PlanFlight plans_;
   LeafRequest::NameFlight leaf_names_;
+  LeafRequest::PlanFlight fallbacks_;  // by the finest cell of the viewpoint
   SingleFlight<TileId, SharedTile, JobQueue> tiles_;
   SingleFlight<std::uint64_t, SharedBytes, JobQueue> geometry_;
 };

@@ -23,7 +23,7 @@ class LeafStream {
         plan(std::move(plan)),
         role(role),
         seconds_until_needed(seconds_until_needed),
-        items_(payload_order(service, *this->plan, role == Role::kFallback)) {}
+        items_(payload_order(service, *this->plan)) {}
 
   const std::uint64_t serial;
   const std::shared_ptr<const LeafPlan> plan;

@@ -6,6 +6,16 @@
 #include <utility>
 
 namespace farfield {
+namespace {
+
+// Of one level and no more than some sides apart: a walk, not a jump.
+bool is_close(const CellId& a, const CellId& b) {
+  constexpr std::int64_t kReach = 16;
+  const auto apart = [](std::int64_t p, std::int64_t q) { return p < q ? q - p : p - q; };
+  return std::max({apart(a.x, b.x), apart(a.y, b.y), apart(a.z, b.z)}) <= kReach;
+}
+
+}  // namespace
 
 LeafTracker::LeafTracker(asio::any_io_executor executor, std::shared_ptr<CellService> service,
                          std::shared_ptr<PayloadPump> pump, PrefetchPlanner& planner, const ServerLimits& limits,
@@ -30,9 +40,10 @@ bool LeafTracker::is_near_current(const glm::dvec3& viewpoint) const {
   return current && grid_.box(current->leaf).grown(grid_.side_m(current->leaf.level)).contains(viewpoint);
 }
 
-void LeafTracker::move(const Pose& pose, double time_s) {
+void LeafTracker::move(const Pose& pose, double time_s, bool wants_fallback) {
   if (is_stopped_) return;
   pose_ = pose;
+  if (wants_fallback) ask_fallback();
   demand();
   look_ahead(time_s);
 }
@@ -48,7 +59,7 @@ void LeafTracker::demand() {
     return;
   }
   const CellId finest = grid_.cell_at(viewpoint, 0);
-  if (!demanded_.empty() && demanded_.back().finest == finest) return;
+  if (!demanded_.empty() && is_close(demanded_.back().finest, finest)) return;
   const auto now = TokenBucket::Clock::now();
   if (!leaf_rate_.take(now)) {
     ++metrics_.leaves_deferred;
@@ -65,6 +76,26 @@ void LeafTracker::demand() {
   question.ticket = ask(viewpoint, WorkPriority{-kPlanOverdue_s, 1.0f, false}, question.number);
   demanded_.push_back(std::move(question));
   if (demanded_.size() > kDemanded) demanded_.erase(demanded_.begin() + 1);
+}
+
+void LeafTracker::ask_fallback() {
+  const glm::dvec3& viewpoint = pose_->position;
+  const LeafPlan* sent = pump_->fallback();
+  if (fallback_ || (sent && grid_.box(sent->leaf).contains(viewpoint))) return;
+  if (pump_->is_current_complete() && is_in_current(viewpoint)) return;  // on its way to the client
+  const std::uint64_t number = next_number_++;
+  fallback_ = Question{number, grid_.cell_at(viewpoint, 0), 0.0, {}};
+  const WorkPriority priority{-PayloadPump::kFallbackOverdue_s, 1.0f, false};
+  Ticket ticket = service_->fallback(viewpoint, priority, [weak = weak_from_this(), number](LeafAnswer plan) {
+    const std::shared_ptr<LeafTracker> self = weak.lock();
+    if (!self) return;
+    asio::post(self->executor_, [self, number, plan = std::move(plan)]() mutable {
+      if (self->is_stopped_ || !self->fallback_ || self->fallback_->number != number) return;
+      self->fallback_.reset();
+      if (plan) self->pump_->show_fallback(std::move(*plan));
+    });
+  });
+  fallback_->ticket = std::move(ticket);
 }
 
 Ticket LeafTracker::ask(const glm::dvec3& viewpoint, const WorkPriority& priority, std::uint64_t number) {
@@ -104,6 +135,7 @@ void LeafTracker::receive_demanded(std::uint64_t number, LeafAnswer plan) {
     if (is_where_viewer_is) demanded_.clear();
     events_.on_enter(std::move(*plan));
   }
+  if (!is_where_viewer_is) demand();  // who stopped meanwhile sends no pose that would
 }
 
 void LeafTracker::look_ahead(double time_s) {
@@ -146,6 +178,7 @@ void LeafTracker::stop() {
   is_stopped_ = true;
   demanded_.clear();
   ahead_.clear();
+  fallback_.reset();
 }
 
 }  // namespace farfield

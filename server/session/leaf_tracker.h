@@ -3,9 +3,11 @@
 // tickets, and drops what the viewer's way has made pointless.
 //
 // A leaf answers for every viewpoint in its box, so poses inside the known leaf cost nothing. While an answer is
-// outstanding and the viewer moves on, newer questions join it; answers count in the order of their questions. The
-// oldest question is never dropped for newer ones: somebody who walks faster than plans are made still gets plans.
-// Leaves ahead are only asked for while the pump has nothing else to do.
+// outstanding a viewer who walks on waits for it: planning every leaf on the way takes the time in which one of them
+// could be made. One who jumps gets a second question, and answers count in the order of their questions. The oldest is
+// never dropped for a newer: somebody who moves faster than plans are made still gets plans.
+// Leaves ahead are only asked for while the pump has nothing else to do. A fallback view is asked for beside the leaf, not
+// after it: it needs no leaf, and is there long before one.
 // Threads: the connection's executor. After stop() no event is called any more.
 #pragma once
 
@@ -34,8 +36,8 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
               PrefetchPlanner& planner, const ServerLimits& limits, SessionMetrics& metrics, Events events,
               std::shared_ptr<const void> keep_alive);
 
-  /// The newest pose, scene frame; `time_s` on the client's clock.
-  void move(const Pose& pose, double time_s);
+  /// The newest pose, scene frame; `time_s` on the client's clock. `wants_fallback`: nothing usable is on the screen.
+  void move(const Pose& pose, double time_s, bool wants_fallback);
   /// The same viewpoint again, after on_wait.
   void move_again();
   /// The pump has time for what is ahead.
@@ -55,6 +57,7 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
   void demand();
   void look_ahead(double time_s);
   void ask_for(const PrefetchTarget& target);
+  void ask_fallback();
   Ticket ask(const glm::dvec3& viewpoint, const WorkPriority& priority, std::uint64_t number);
   void receive(std::uint64_t number, LeafAnswer plan);
   void receive_demanded(std::uint64_t number, LeafAnswer plan);
@@ -62,10 +65,11 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
   /// At most one of its sides outside the current leaf.
   bool is_near_current(const glm::dvec3& viewpoint) const;
 
-  static constexpr std::size_t kDemanded = 3;  // questions about where the viewer is
+  static constexpr std::size_t kDemanded = 2;  // questions about where the viewer is
   static constexpr std::size_t kAhead = 2;     // about where they will be
   /// Nothing can be asked for before the leaf is known: its plan goes before the tiles of the leaf being left.
   static constexpr double kPlanOverdue_s = 2.0;
+  static_assert(kPlanOverdue_s < PayloadPump::kFallbackOverdue_s);
 
   asio::any_io_executor executor_;
   std::shared_ptr<CellService> service_;
@@ -79,6 +83,7 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
   std::optional<Pose> pose_;
   std::uint64_t next_number_ = 1;
   std::vector<Question> demanded_, ahead_;  // oldest first
+  std::optional<Question> fallback_;        // under way
   std::vector<PrefetchTarget> targets_;     // of the newest pose that had any
   bool is_stopped_ = false;
 };

@@ -107,9 +107,12 @@ void PayloadPump::finish_streams() {
     }
     ++i;
   }
-  // A leaf that was left has nothing more to wait for; and once the current leaf is complete it need not be waited for.
+  // A leaf that was left has nothing more to wait for; and once the current leaf is complete neither it nor a fallback
+  // view need be waited for.
   for (std::size_t i = streams_.size(); i-- > 0;) {
-    if (streams_[i]->role != LeafStream::Role::kLeft || !(streams_[i]->is_complete || is_current_complete())) continue;
+    const bool is_left = streams_[i]->role == LeafStream::Role::kLeft;
+    const bool is_done_with = is_current_complete() && (is_left || (streams_[i]->is_fallback() && !streams_[i]->is_complete));
+    if (!is_done_with && !(is_left && streams_[i]->is_complete)) continue;
     const std::uint64_t left = streams_[i]->serial;
     drop_stream(i);
     if (is_current_complete()) drop_requests([&](ContentHash, const Pending& p) { return p.stream == left; });
@@ -174,8 +177,8 @@ Ticket PayloadPump::ask(const PayloadItem& item, const LeafStream& stream, std::
     case PayloadItem::Kind::kTile: break;
   }
   const LeafPlan& plan = *stream.plan;
-  if (!stream.is_fallback()) priority.view_share = plan.tiles[item.index].view_share;
-  return parts_.service->tile(stream.is_fallback() ? plan.fallback_tiles[item.index] : plan.tiles[item.index].id, priority,
+  priority.view_share = plan.tiles[item.index].view_share;
+  return parts_.service->tile(plan.tiles[item.index].id, priority,
                               [answer](Result<std::shared_ptr<const EncodedTile>> tile) {
                                 answer(tile ? Result<SharedBytes>((*tile)->bytes) : tl::unexpected(tile.error()));
                               });

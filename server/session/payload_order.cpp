@@ -19,17 +19,7 @@ ContentHash tile_payload_key(ContentHash scene_hash, const TileId& id) {
 
 ContentHash texture_payload_key(ContentHash texture_hash, int level) { return hash_value(level, texture_hash); }
 
-std::vector<std::uint32_t> listed_chunks(const CellService& service, const LeafPlan& plan, bool is_fallback) {
-  if (!is_fallback) return plan.chunks;
-  const Box leaf = CellGrid{service.scene().settings.finest_side_m}.box(plan.leaf);
-  std::vector<std::uint32_t> inside;
-  std::copy_if(plan.chunks.begin(), plan.chunks.end(), std::back_inserter(inside), [&](std::uint32_t chunk) {
-    return service.chunk_placement(chunk).bounds.intersects(leaf);
-  });
-  return inside;
-}
-
-std::vector<PayloadItem> payload_order(const CellService& service, const LeafPlan& plan, bool is_fallback) {
+std::vector<PayloadItem> payload_order(const CellService& service, const LeafPlan& plan) {
   std::vector<PayloadItem> items;
   std::vector<std::uint32_t> textures;  // in order of first use
   std::unordered_set<ContentHash> listed;
@@ -41,7 +31,7 @@ std::vector<PayloadItem> payload_order(const CellService& service, const LeafPla
   };
 
   std::unordered_set<int> seen_textures;
-  for (const std::uint32_t chunk : listed_chunks(service, plan, is_fallback)) {
+  for (const std::uint32_t chunk : plan.chunks) {
     const PlacedSceneChunk placed = service.chunk_placement(chunk);
     add(PayloadItem::Kind::kChunk, placed.hash, chunk, 0);
     if (placed.texture < 0 || !seen_textures.insert(placed.texture).second) continue;
@@ -54,21 +44,16 @@ std::vector<PayloadItem> payload_order(const CellService& service, const LeafPla
   }
 
   const ContentHash scene_hash = service.scene().hash;
-  std::vector<std::uint32_t> tiles(is_fallback ? plan.fallback_tiles.size() : plan.tiles.size());
+  std::vector<std::uint32_t> tiles(plan.tiles.size());
   std::iota(tiles.begin(), tiles.end(), 0u);
-  if (!is_fallback) {
-    // Stable: within a shell the larger share of the view stays first.
-    std::stable_sort(tiles.begin(), tiles.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return plan.tiles[a].id.cell.level > plan.tiles[b].id.cell.level;
-    });
-  }
-  for (const std::uint32_t i : tiles) {
-    const TileId& id = is_fallback ? plan.fallback_tiles[i] : plan.tiles[i].id;
-    add(PayloadItem::Kind::kTile, tile_payload_key(scene_hash, id), i, 0);
-  }
+  // Stable: within a shell the larger share of the view stays first.
+  std::stable_sort(tiles.begin(), tiles.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return plan.tiles[a].id.cell.level > plan.tiles[b].id.cell.level;
+  });
+  for (const std::uint32_t i : tiles) add(PayloadItem::Kind::kTile, tile_payload_key(scene_hash, plan.tiles[i].id), i, 0);
 
   // Level by level, coarse to fine, so that all textures sharpen together. A fallback view does without.
-  for (int level = is_fallback ? -1 : 15; level >= 0; --level) {
+  for (int level = plan.is_fallback ? -1 : 15; level >= 0; --level) {
     for (const std::uint32_t index : textures) {
       const SceneTexture texture = service.texture(index);
       if (level < texture.level_count && !is_coarse_level(texture, level)) add_level(index, texture, level);

@@ -25,7 +25,7 @@ inline bool is_coarse_level(const SceneTexture& texture, int level) {
 struct PayloadItem {
   enum class Kind : std::uint8_t { kTile, kChunk, kTexture };
   ContentHash key = 0;
-  std::uint32_t index = 0;   // tile: in the plan's tiles or fallback_tiles; chunk or texture: as the service counts
+  std::uint32_t index = 0;   // tile: in the plan's tiles; chunk or texture: as the service counts
   Kind kind = Kind::kTile;
   std::uint8_t level = 0;    // of a texture
 };
@@ -34,10 +34,7 @@ struct PayloadItem {
 ContentHash tile_payload_key(ContentHash scene_hash, const TileId& id);
 ContentHash texture_payload_key(ContentHash texture_hash, int level);
 
-/// The chunks a leaf set lists: all of the plan, or for its fallback view those that reach into the leaf's own box.
-std::vector<std::uint32_t> listed_chunks(const CellService& service, const LeafPlan& plan, bool is_fallback);
-
-/// Every payload once. O(payloads).
-std::vector<PayloadItem> payload_order(const CellService& service, const LeafPlan& plan, bool is_fallback);
+/// Every payload once; a fallback view does without finer texture levels. O(payloads · log(payloads)).
+std::vector<PayloadItem> payload_order(const CellService& service, const LeafPlan& plan);
 
 }  // namespace farfield

@@ -17,7 +17,7 @@ LeafStream* PayloadPump::find_stream(std::uint64_t serial) {
   return found == streams_.end() ? nullptr : found->get();
 }
 
-LeafStream* PayloadPump::find_stream(LeafStream::Role role) {
+const LeafStream* PayloadPump::find_stream(LeafStream::Role role) const {
   const auto found = std::find_if(streams_.begin(), streams_.end(), [&](const auto& s) { return s->role == role; });
   return found == streams_.end() ? nullptr : found->get();
 }
@@ -47,12 +47,17 @@ bool PayloadPump::knows_ahead(const glm::dvec3& viewpoint) const {
 }
 
 bool PayloadPump::is_current_complete() const {
-  return std::any_of(streams_.begin(), streams_.end(),
-                     [](const auto& s) { return s->role == LeafStream::Role::kCurrent && s->is_complete; });
+  const LeafStream* stream = find_stream(LeafStream::Role::kCurrent);
+  return stream && stream->is_complete;
+}
+
+const LeafPlan* PayloadPump::fallback() const {
+  const LeafStream* stream = find_stream(LeafStream::Role::kFallback);
+  return stream ? stream->plan.get() : nullptr;
 }
 
 void PayloadPump::announce(LeafStream& stream) {
-  const LeafSetHead head{stream.serial, !stream.is_prefetch(), stream.is_fallback()};
+  const LeafSetHead head{stream.serial, !stream.is_prefetch()};
   parts_.connection->send(leaf_set_message(head, *parts_.service, *stream.plan));
   stream.is_announced = true;
   ++parts_.metrics.leaf_sets;
@@ -90,15 +95,13 @@ void PayloadPump::leave_current(const LeafStream& next) {
     LeafStream& stream = *streams_[i];
     if (&stream == best) {
       stream.role = LeafStream::Role::kLeft;
-    } else if (stream.is_fallback()) {
-      if (stream.is_complete || 2 * missing(stream) > stream.items().size()) drop_stream(i);
-    } else if (!stream.is_prefetch() || stream.plan->leaf == next.plan->leaf) {
+    } else if (!stream.is_fallback() && (!stream.is_prefetch() || stream.plan->leaf == next.plan->leaf)) {
       drop_stream(i);
     }
   }
 }
 
-void PayloadPump::enter(std::shared_ptr<const LeafPlan> plan, bool wants_fallback) {
+void PayloadPump::enter(std::shared_ptr<const LeafPlan> plan) {
   if (is_stopped_ || (current_ && current_->leaf == plan->leaf)) return;
   current_ = std::move(plan);
   withdraw_queued(Lane::kPayload);
@@ -127,20 +130,22 @@ void PayloadPump::enter(std::shared_ptr<const LeafPlan> plan, bool wants_fallbac
   }
   const auto place = std::find_if(streams_.begin(), streams_.end(), [](const auto& other) { return other->is_prefetch(); });
   streams_.insert(place, std::move(stream));
-  if (wants_fallback) want_fallback();
   pump();
 }
 
-void PayloadPump::want_fallback() {
-  const LeafStream* stream = find_stream(LeafStream::Role::kCurrent);
-  if (is_stopped_ || !stream || stream->is_complete || current_->fallback_tiles.empty()) return;
-  if (const LeafStream* known = find_stream(LeafStream::Role::kFallback)) {
-    if (known->plan->leaf == current_->leaf || !known->is_complete) return;
-    std::erase_if(streams_, [&](const auto& other) { return other.get() == known; });
+void PayloadPump::show_fallback(std::shared_ptr<const LeafPlan> fallback) {
+  if (is_stopped_) return;
+  if (const LeafStream* before = find_stream(LeafStream::Role::kFallback)) {
+    const bool is_nearly_there = !before->is_complete && 2 * missing(*before) < before->items().size();
+    if (before->plan->leaf == fallback->leaf || is_nearly_there) return;
+    const std::uint64_t serial = before->serial;
+    std::erase_if(streams_, [&](const auto& stream) { return stream.get() == before; });
+    drop_requests([&](ContentHash, const Pending& p) { return p.stream == serial; });
   }
-  auto fallback = std::make_unique<LeafStream>(*parts_.service, next_serial_++, current_, LeafStream::Role::kFallback, 0.0);
-  announce(*fallback);
-  streams_.insert(streams_.begin(), std::move(fallback));
+  auto stream = std::make_unique<LeafStream>(*parts_.service, next_serial_++, std::move(fallback),
+                                             LeafStream::Role::kFallback, -kFallbackOverdue_s);
+  announce(*stream);
+  streams_.insert(streams_.begin(), std::move(stream));
   pump();
 }
 

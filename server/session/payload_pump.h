@@ -40,15 +40,19 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
     std::shared_ptr<const void> keep_alive;
   };
   PayloadPump(Parts parts, std::uint64_t first_serial);
+
+  /// How much a fallback view goes before everything else that somebody waits for: it takes a tenth of the time.
+  static constexpr double kFallbackOverdue_s = 4.0;
+
   /// Called whenever has_spare_capacity() has become true.
   void on_spare_capacity(std::function<void()> call) { on_spare_ = std::move(call); }
 
   // ── what the viewer does ──
   /// The viewer is in this leaf now. The manifest is sent unless it is one of the last announced on this connection.
-  void enter(std::shared_ptr<const LeafPlan> plan, bool wants_fallback);
-  /// Nothing usable is on the screen: the current leaf's fallback view goes first, once per stay in the leaf, unless
-  /// that of a leaf before is under way and more than half done.
-  void want_fallback();
+  void enter(std::shared_ptr<const LeafPlan> plan);
+  /// Nothing usable is on the screen: this fallback view goes first. One at a time: one under way that is more than half
+  /// done is finished before.
+  void show_fallback(std::shared_ptr<const LeafPlan> fallback);
   /// A leaf the viewer will probably enter. Ignored when it is known already or enough are under way.
   void prefetch(std::shared_ptr<const LeafPlan> plan, double seconds_until_needed);
   /// Drops prefetched leaves for which `is_ahead` is false: those that were sent, or with `is_new_way` all.
@@ -70,6 +74,8 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   std::uint64_t next_serial() const { return next_serial_; }
   /// A plan this client was told about lately whose leaf holds the viewpoint, or null.
   std::shared_ptr<const LeafPlan> announced_at(const glm::dvec3& viewpoint) const;
+  /// The fallback view sent last, or null.
+  const LeafPlan* fallback() const;
   /// The viewpoint's leaf is being sent ahead already, or there is no place for another.
   bool knows_ahead(const glm::dvec3& viewpoint) const;
   std::size_t pending_requests() const { return pending_.size(); }
@@ -92,7 +98,7 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   static constexpr std::size_t kManifestsKept = 8;
 
   LeafStream* find_stream(std::uint64_t serial);
-  LeafStream* find_stream(LeafStream::Role role);
+  const LeafStream* find_stream(LeafStream::Role role) const;
   Announced* find_announced(const CellId& leaf);
   void announce(LeafStream& stream);
   void withdraw_queued(Lane lane);

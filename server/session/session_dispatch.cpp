@@ -168,11 +168,7 @@ Status Session::handle_pose(const IncomingFrame& frame) {
 
 void Session::take_pose() {
   pose_->is_taken = true;
-  tracker_->move(pose_->pose, pose_->time_s);
-  if (pose_->wants_fallback && pump_->current()) {
-    const Box leaf = CellGrid{service_->scene().settings.finest_side_m}.box(pump_->current()->leaf);
-    if (leaf.contains(pose_->pose.position)) pump_->want_fallback();
-  }
+  tracker_->move(pose_->pose, pose_->time_s, pose_->wants_fallback);
 }
 
 void Session::wait_and_move(Clock::duration wait) {
@@ -197,7 +193,7 @@ void Session::enter(std::shared_ptr<const LeafPlan> plan) {
     wait_and_move(kManifestRetry);
     return;
   }
-  pump_->enter(std::move(plan), pose_ && pose_->wants_fallback);
+  pump_->enter(std::move(plan));
   world_.registry.update(token_, ResumeState{service_->scene().name, pump_->next_serial(), pump_->current()});
 }
 

@@ -96,7 +96,7 @@ OutgoingFrame leaf_set_message(const LeafSetHead& head, const CellService& servi
   wire::LeafSet set;
   set.set_serial(head.serial);
   set.set_is_current(head.is_current);
-  set.set_is_fallback(head.is_fallback);
+  set.set_is_fallback(plan.is_fallback);
   set_cell(set.mutable_leaf(), plan.leaf);
   set_cell(set.mutable_root(), plan.root);
   set.set_background_visible(plan.background_visible);
@@ -104,13 +104,9 @@ OutgoingFrame leaf_set_message(const LeafSetHead& head, const CellService& servi
   set.set_exceeds_budget(plan.exceeds_budget);
   set.set_near_triangles(plan.near_triangles);
   const ContentHash scene_hash = service.scene().hash;
-  if (head.is_fallback) {
-    for (const TileId& id : plan.fallback_tiles) set.add_tiles(tile_payload_key(scene_hash, id));
-  } else {
-    for (const NeededTile& tile : plan.tiles) set.add_tiles(tile_payload_key(scene_hash, tile.id));
-  }
+  for (const NeededTile& tile : plan.tiles) set.add_tiles(tile_payload_key(scene_hash, tile.id));
   const glm::dvec3 centre = CellGrid{service.scene().settings.finest_side_m}.box(plan.leaf).center();
-  for (const std::uint32_t chunk : listed_chunks(service, plan, head.is_fallback)) {
+  for (const std::uint32_t chunk : plan.chunks) {
     place(*set.add_chunks(), service, chunk, centre);
   }
   return make_message(MessageType::kLeafSet, set);

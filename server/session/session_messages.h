@@ -30,7 +30,6 @@ OutgoingFrame go_away_message(const std::string& reason, const std::string& resu
 struct LeafSetHead {
   std::uint64_t serial = 0;
   bool is_current = true;
-  bool is_fallback = false;
 };
 /// The manifest of a plan's leaf set. Placements are relative to the centre of the leaf.
 OutgoingFrame leaf_set_message(const LeafSetHead& head, const CellService& service, const LeafPlan& plan);

@@ -67,6 +67,7 @@ struct NoLeaves : LeafSource {
   Result<std::shared_ptr<const LeafPlan>> plan(const CellId&, const CancelFlag&) override {
     return std::make_shared<const LeafPlan>();
   }
+  std::shared_ptr<const LeafPlan> fallback(const glm::dvec3&) override { return std::make_shared<const LeafPlan>(); }
 };
 struct FreeTiles : TileSource {
   Result<SharedTile> make(const TileId&, const CancelFlag&) override { return small_tile(); }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/cells/nested_shells.h"
 #include "tests/unit/client/store/made_leaf_sets.h"
 
 namespace farfield::client {
@@ -177,7 +178,7 @@ TEST_F(LeafSetsTest, TheOldSetServesOneSideOutsideThenTheFallbackTakesOver) {
   EXPECT_TRUE(sets.view()->is_fallback);
   EXPECT_TRUE(sets.has_usable_view());
   EXPECT_TRUE(is_late(sets.view().get(), made::eye_in(30)));
-  EXPECT_EQ(sets.view()->near_region.min.x, sets.view()->leaf_box.min.x);
+  EXPECT_EQ(sets.view()->near_region.min.x, sets.view()->leaf_box.min.x - NestedShells::kFallbackKappa);
 
   sets.announce(made::leaf_set(4, 30, {10}));
   sets.receive(made::tile(10));

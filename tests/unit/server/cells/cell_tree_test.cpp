@@ -67,6 +67,22 @@ TEST_F(CellTreeTest, EveryLeafHoldsItsViewerAndKeepsTheBudget) {
   }
 }
 
+TEST_F(CellTreeTest, TheFallbackCellIsTheLargestThatHoldsFewTriangles) {
+  const auto cells = tree();
+  const auto triangles_in = [&](const CellId& cell) {
+    std::size_t sum = 0;
+    for (const std::uint32_t chunk : placed().scene->chunks_in(shells().fallback_region(cell))) sum += placed().scene->chunks()[chunk].triangles;
+    return sum;
+  };
+  for (const glm::dvec3& viewpoint : viewpoints()) {
+    const CellId cell = cells->fallback_cell(viewpoint);
+    EXPECT_TRUE(shells().grid.box(cell).contains(viewpoint));
+    if (cell.level > 0) { EXPECT_LE(triangles_in(cell), kBudget / 2); }
+    if (cell.level < cells->root_for(viewpoint).level) { EXPECT_GT(triangles_in(cell.parent()), kBudget / 2); }
+  }
+  EXPECT_GT(cells->fallback_cell(viewpoints()[2]).level, cells->fallback_cell(viewpoints()[0]).level);
+}
+
 TEST_F(CellTreeTest, LeavesDoNotDependOnTheOrderOfQuestions) {
   const auto forward = tree(), backward = tree();
   const std::vector<glm::dvec3> points = viewpoints();

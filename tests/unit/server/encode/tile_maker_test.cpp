@@ -49,7 +49,8 @@ class TileMakerTest : public testing::Test {
       if ((tile.id.is_delta() ? delta : dense)++ < 4) ids.push_back(tile.id);
     EXPECT_GE(dense, 4);
     EXPECT_GE(delta, 1) << "the scene should need delta views";
-    ids.insert(ids.end(), plan->fallback_tiles.begin(), plan->fallback_tiles.begin() + 2);
+    const auto fallback = sources.leaves->fallback(placed().at({3.5, 0, 3.5}));
+    for (int i = 0; i < 2; ++i) ids.push_back(fallback->tiles.at(i).id);
     return ids;
   }
   static std::vector<Bytes> make_all(TileMaker& maker, const std::vector<TileId>& ids) {
@@ -112,16 +113,19 @@ TEST_F(TileMakerTest, CancelledAndUnknownTilesAreErrors) {
   EXPECT_EQ(unknown.error().code, ErrorCode::kNotFound);
 }
 
-TEST_F(TileMakerTest, TheFallbackViewShowsEverythingBeyondTheCellsOwnBox) {
+TEST_F(TileMakerTest, TheFallbackViewShowsEverythingBeyondItsNearRegion) {
   const ImpostorSources made = sources();
-  const CellId leaf = made.leaves->leaf_at(placed().at({3.5, 0, 3.5}), nullptr).value();
+  const auto plan = made.leaves->fallback(placed().at({3.5, 0, 3.5}));
   const CellGrid grid{small_settings().finest_side_m};
-  const Box cell = grid.box(leaf);
+  const Box cell = grid.box(plan->leaf);
+  const Box region = NestedShells{grid}.fallback_region(plan->leaf);
   const Box hall = placed().at(Box{{-24, -2, -24}, {24, 8, 24}});
-  const auto plan = made.leaves->plan(leaf, nullptr).value();
-  ASSERT_EQ(plan->fallback_tiles.size(), 6u);
+  ASSERT_TRUE(plan->is_fallback);
+  ASSERT_TRUE(cell.contains(placed().at({3.5, 0, 3.5})));
+  ASSERT_EQ(plan->tiles.size(), 6u);
   std::size_t nearer = 0;
-  for (const TileId& id : plan->fallback_tiles) {
+  for (const NeededTile& needed : plan->tiles) {
+    const TileId& id = needed.id;
     const Tile tile = decode_tile(*made.tiles->make(id, nullptr).value()->bytes).value();
     const CubeFace face = CubeFace::of(id.face);
     ASSERT_EQ(static_cast<std::size_t>(std::count(tile.coverage.begin(), tile.coverage.end(), 1)), tile.samples());
@@ -129,10 +133,10 @@ TEST_F(TileMakerTest, TheFallbackViewShowsEverythingBeyondTheCellsOwnBox) {
       for (int i = 0; i < tile.width; ++i) {
         const glm::dvec3 direction = face.direction(sample_tangent(tile.edge_samples, i), sample_tangent(tile.edge_samples, j));
         const double shown = tile.disparity[static_cast<std::size_t>(j) * tile.width + i];
-        const double walls = grid.side_m(leaf.level) / exit_distance(hall, cell.center(), direction);
-        const double box = grid.side_m(leaf.level) / exit_distance(cell, cell.center(), direction);
+        const double walls = grid.side_m(plan->leaf.level) / exit_distance(hall, cell.center(), direction);
+        const double box = grid.side_m(plan->leaf.level) / exit_distance(region, cell.center(), direction);
         ASSERT_GE(shown, walls - 1.01 * tile.disparity_tolerance) << "nothing lies beyond the walls";
-        ASSERT_LE(shown, box + 1.01 * tile.disparity_tolerance) << "nor inside the cell";
+        ASSERT_LE(shown, box + 1.01 * tile.disparity_tolerance) << "nor inside the region";
         nearer += shown > 1.1 * walls;
       }
   }

@@ -39,7 +39,12 @@ struct FakeLeaves : LeafSource {
     }
     return std::make_shared<const LeafPlan>(LeafPlan{.leaf = leaf, .seconds = 0.25});
   }
+  SharedPlan fallback(const glm::dvec3& viewpoint) override {
+    ++fallbacks;
+    return std::make_shared<const LeafPlan>(LeafPlan{.leaf = grid.cell_at(viewpoint, 2), .is_fallback = true});
+  }
   CellGrid grid{1.0};
+  std::atomic<int> fallbacks{0};
   std::latch* gate = nullptr;
   std::atomic<bool> is_blocking{false};
   std::atomic<int> searches{0}, plans{0}, cancelled{0};

@@ -74,7 +74,15 @@ class FakeCellService final : public CellService {
       if (i < world_.shared_tiles) id.cell = plan->root;
       plan->tiles.push_back({id, 1.0f / static_cast<float>(2 + i)});
     }
-    plan->fallback_tiles.push_back({plan->leaf, kFallbackView, 0, 0, 0});
+    plan->chunks = {0, 1};
+    return plan;
+  }
+  // Of the cell one level above the finest.
+  std::shared_ptr<const LeafPlan> fallback_at(const glm::dvec3& viewpoint) const {
+    auto plan = std::make_shared<LeafPlan>();
+    plan->leaf = plan->root = grid().cell_at(viewpoint, 1);
+    plan->is_fallback = true;
+    plan->tiles.push_back({{plan->leaf, kFallbackView, 0, 0, 0}, 1.0f});
     plan->chunks = {0, 1};
     return plan;
   }
@@ -114,6 +122,10 @@ class FakeCellService final : public CellService {
       const std::lock_guard withdrawing(mutex_);
       held_leaves_.erase(number);
     });
+  }
+  Ticket fallback(const glm::dvec3& viewpoint, const WorkPriority&, Answer<std::shared_ptr<const LeafPlan>> answer) override {
+    answer(fallback_at(viewpoint));
+    return Ticket();
   }
   Ticket tile(const TileId& id, const WorkPriority&, Answer<std::shared_ptr<const EncodedTile>> answer) override {
     auto tile = std::make_shared<EncodedTile>();

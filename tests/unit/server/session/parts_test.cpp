@@ -112,7 +112,7 @@ TEST(PayloadOrder, ListsEveryPayloadOnceWhateverRepeats) {
   plan.chunks = {0, 1, 0, 1};
   plan.tiles.push_back(plan.tiles.front());
   std::unordered_set<ContentHash> keys;
-  for (const PayloadItem& item : payload_order(service, plan, false)) EXPECT_TRUE(keys.insert(item.key).second);
+  for (const PayloadItem& item : payload_order(service, plan)) EXPECT_TRUE(keys.insert(item.key).second);
   EXPECT_EQ(keys.size(), 16u);
 }
 
@@ -122,7 +122,7 @@ TEST(PayloadOrder, WhatOtherLeavesShareComesBeforeWhatOnlyThisOneNeeds) {
   std::rotate(plan.tiles.begin(), plan.tiles.begin() + 2, plan.tiles.end());  // nearest shell first, as plans list them
   std::vector<int> levels;
   std::vector<float> shares;
-  for (const PayloadItem& item : payload_order(service, plan, false)) {
+  for (const PayloadItem& item : payload_order(service, plan)) {
     if (item.kind != PayloadItem::Kind::kTile) continue;
     levels.push_back(plan.tiles[item.index].id.cell.level);
     shares.push_back(plan.tiles[item.index].view_share);
@@ -133,9 +133,9 @@ TEST(PayloadOrder, WhatOtherLeavesShareComesBeforeWhatOnlyThisOneNeeds) {
 
 TEST(PayloadOrder, AFallbackViewBringsItsTilesAndOnlyCoarseTextures) {
   const test::FakeCellService service;
-  const LeafPlan plan = *service.plan_at({1, 1, 1});
+  const LeafPlan plan = *service.fallback_at({1, 1, 1});
   std::string kinds;
-  for (const PayloadItem& item : payload_order(service, plan, true)) kinds += "tcm"[static_cast<int>(item.kind)];
+  for (const PayloadItem& item : payload_order(service, plan)) kinds += "tcm"[static_cast<int>(item.kind)];
   EXPECT_EQ(kinds, "cmmmmmmmct");
 }
 

@@ -269,7 +269,7 @@ TEST_F(SessionTest, WhoWalksFasterThanPlansAreMadeStillGetsPlans) {
     client.move_to({1 + 2 * i, 1, 1}, i * 0.5);
     client.idle(40ms);
   }
-  EXPECT_LE(service->held_leaves(), 3u);
+  EXPECT_EQ(service->held_leaves(), 1u) << "plans made on the way would only delay this one";
   ASSERT_TRUE(service->answer_leaf());
   ASSERT_TRUE(client.wait([&] { return client.sets.size() == 1; }));
   EXPECT_EQ(client.sets[0].leaf().x(), service->grid().cell_at(kHere, 0).x) << "the first question is never given up";
@@ -278,6 +278,22 @@ TEST_F(SessionTest, WhoWalksFasterThanPlansAreMadeStillGetsPlans) {
   const CellId last = service->grid().cell_at({23, 1, 1}, 0);
   const auto is_last = [&](const wire::LeafSet& set) { return set.is_current() && set.leaf().x() == last.x; };
   EXPECT_TRUE(client.wait([&] { return std::any_of(client.sets.begin(), client.sets.end(), is_last); }));
+}
+
+TEST_F(SessionTest, WhoJumpsIsPlannedForBesideWhatIsUnderWay) {
+  serve();
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  service->hold_leaves();
+  for (int i = 0; i < 4; ++i) {
+    client.move_to({1 + 200 * i, 1, 1}, i * 0.5);
+    client.idle(40ms);
+  }
+  EXPECT_EQ(service->held_leaves(), 2u) << "the first, and the newest";
+  while (service->answer_leaf()) {
+  }
+  const CellId last = service->grid().cell_at({601, 1, 1}, 0);
+  EXPECT_TRUE(client.wait([&] { return !client.sets.empty() && client.sets.back().leaf().x() == last.x; }));
 }
 
 TEST_F(SessionTest, NothingIsPrefetchedWhileTheCurrentLeafIsIncomplete) {
@@ -307,6 +323,23 @@ TEST_F(SessionTest, TheFallbackViewGoesFirstWhenAskedFor) {
   EXPECT_EQ(client.complete[0], fallback->serial());
   EXPECT_EQ(fallback->tiles_size(), 1);
   EXPECT_EQ(client.repeated(), 0u) << "chunks of both sets go once";
+}
+
+TEST_F(SessionTest, TheFallbackViewNeedsNoLeaf) {
+  serve();
+  service->hold_leaves();
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  client.move_to(kHere, 0, true);
+  ASSERT_TRUE(client.wait_complete(1));
+  ASSERT_EQ(client.sets.size(), 1u);
+  EXPECT_TRUE(client.sets[0].is_fallback());
+  // Asked for again inside its cell it is not sent again; outside another is.
+  client.move_to(kHere + glm::dvec3(0.1, 0, 0), 0.1, true);
+  client.move_to(kHere + glm::dvec3(50, 0, 0), 0.2, true);
+  ASSERT_TRUE(client.wait_complete(2));
+  EXPECT_EQ(client.sets.size(), 2u);
+  EXPECT_NE(client.sets[1].leaf().x(), client.sets[0].leaf().x());
 }
 
 TEST_F(SessionTest, WalkingOnPrefetchesTheLeavesAhead) {
