@@ -5,9 +5,12 @@
 
 #include <bit>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
+
+#include "server/scene/alpha_mask.h"
 
 namespace farfield {
 namespace {
@@ -23,24 +26,23 @@ using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneRelease>;
 
 // What the alpha test of one stored mesh needs.
-struct AlphaMask {
+struct MaskedMesh {
   const StoredMesh* mesh = nullptr;
-  const TextureSet* textures = nullptr;
+  const AlphaMask* mask = nullptr;
 
   bool is_hole(std::uint32_t triangle, float u, float v) const {
     const std::uint32_t* index = &mesh->indices[3 * std::size_t{triangle}];
     const glm::vec2 a = mesh->uvs[index[0]];
-    const glm::vec2 uv = a + u * (mesh->uvs[index[1]] - a) + v * (mesh->uvs[index[2]] - a);
-    return textures->sample_alpha(static_cast<std::uint32_t>(mesh->surface.texture), uv) < mesh->surface.alpha_cutoff;
+    return mask->is_hole(a + u * (mesh->uvs[index[1]] - a) + v * (mesh->uvs[index[2]] - a));
   }
 };
 
 // Called for intersection and occlusion alike, with 1 to 16 lanes.
 void reject_holes(const RTCFilterFunctionNArguments* args) {
-  const AlphaMask& mask = *static_cast<const AlphaMask*>(args->geometryUserPtr);
+  const MaskedMesh& masked = *static_cast<const MaskedMesh*>(args->geometryUserPtr);
   for (unsigned lane = 0; lane < args->N; ++lane) {
     if (args->valid[lane] != -1) continue;
-    if (mask.is_hole(RTCHitN_primID(args->hit, args->N, lane), RTCHitN_u(args->hit, args->N, lane),
+    if (masked.is_hole(RTCHitN_primID(args->hit, args->N, lane), RTCHitN_u(args->hit, args->N, lane),
                      RTCHitN_v(args->hit, args->N, lane)))
       args->valid[lane] = 0;
   }
@@ -88,7 +90,8 @@ void copy_rays(const RayPacket& rays, RTCRay16& out, int valid[kPacketSize]) {
 struct RayScene::State {
   std::unique_ptr<ErrorLog> errors = std::make_unique<ErrorLog>();
   DeviceHandle device;
-  std::vector<AlphaMask> masks;          // one per stored mesh, never moved once Embree knows them
+  std::map<std::pair<int, float>, AlphaMask> masks;  // by texture and cutoff
+  std::vector<MaskedMesh> masked;        // one per stored mesh, never moved once Embree knows them
   std::vector<SceneHandle> mesh_scenes;  // of instanced meshes, empty otherwise
   SceneHandle top;
   std::vector<glm::mat3> scene_normal_from_mesh;  // per part: cofactor matrix, so normals keep twice the area as length
@@ -105,7 +108,7 @@ void RayScene::State::attach(RTCScene scene, const StoredMesh& mesh, unsigned me
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(), 0,
                              3 * sizeof(std::uint32_t), mesh.triangle_count());
   if (mesh.surface.is_alpha_masked) {
-    rtcSetGeometryUserData(geometry, &masks[mesh_index]);
+    rtcSetGeometryUserData(geometry, &masked[mesh_index]);
     rtcSetGeometryIntersectFilterFunction(geometry, reject_holes);
     rtcSetGeometryOccludedFilterFunction(geometry, reject_holes);
   }
@@ -140,7 +143,15 @@ Result<RayScene> RayScene::build(std::span<const StoredMesh> meshes, std::span<c
     return fail(ErrorCode::kInternal, "Embree: cannot make a device (error {})",
                 static_cast<int>(rtcGetDeviceError(nullptr)));
   rtcSetDeviceErrorFunction(state.device.get(), ErrorLog::record, state.errors.get());
-  for (const StoredMesh& mesh : meshes) state.masks.push_back({&mesh, &textures});
+  for (const StoredMesh& mesh : meshes) {
+    const SurfaceState& surface = mesh.surface;
+    const AlphaMask* mask = nullptr;
+    if (surface.is_alpha_masked) {
+      mask = &state.masks.try_emplace({surface.texture, surface.alpha_cutoff}, textures, static_cast<std::uint32_t>(surface.texture), surface.alpha_cutoff)
+                  .first->second;
+    }
+    state.masked.push_back({&mesh, mask});
+  }
   state.mesh_scenes.resize(meshes.size());
   state.first_instance = static_cast<std::uint32_t>(flattened_parts);
   state.top.reset(rtcNewScene(state.device.get()));

@@ -33,6 +33,11 @@ class TextureSet {
 
   /// Linear RGB, bilinear in the two levels around `mip` (>= 0) and linear between them.
   glm::vec3 sample(std::uint32_t texture, const glm::vec2& uv, float mip) const;
+  /// Alpha 0 … 1 of one texel of level 0. Requires: within the texture.
+  float texel_alpha(std::uint32_t texture, int column, int row) const {
+    const Level& level = textures_[texture].levels.front();
+    return level.texels[static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width) + static_cast<std::size_t>(column)].a * (1.0f / 65535.0f);
+  }
   /// Alpha 0 … 1 of level 0, bilinear.
   float sample_alpha(std::uint32_t texture, const glm::vec2& uv) const;
   /// The level in its form for the wire.

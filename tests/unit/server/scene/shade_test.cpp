@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/shading/shading.h"
+#include "server/scene/alpha_mask.h"
 #include "server/scene/texture_set.h"
 #include "tests/unit/server/scene/scene_models.h"
 
@@ -177,6 +178,26 @@ TEST(TextureSet, RepeatsAndInterpolatesBetweenTexelCentres) {
   EXPECT_NEAR(set.sample(0, {-3.25f, 7.5f}, 0).r, 1.0f, 1e-6f);
   EXPECT_NEAR(set.sample_alpha(0, {0.75f, 0.5f}), 0.2f, 1e-6f);
   EXPECT_EQ(set.sample(0, {0.3f, 0.5f}, 99.0f), set.sample(0, {0.8f, 0.1f}, 1.0f)) << "past the last level";
+}
+
+TEST(AlphaMask, AgreesWithTheLookUpItSpares) {
+  TextureImage image{37, 5, {}, "holes"};
+  for (int i = 0; i < 37 * 5; ++i) image.rgba.insert(image.rgba.end(), {9, 9, 9, static_cast<std::uint8_t>(i * i % 29 < 9 ? i * 7 % 256 : i % 5 ? 255 : 0)});
+  TextureSet set;
+  set.add(image, {true, 0.5f, 4096});
+  for (const float cutoff : {0.25f, 0.5f, 0.9f}) {
+    const AlphaMask mask(set, 0, cutoff);
+    std::size_t holes = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const glm::vec2 uv{std::fmod(0.7548777f * static_cast<float>(i), 3.0f) - 1.5f, std::fmod(0.5698403f * static_cast<float>(i), 3.0f) - 1.5f};
+      ASSERT_EQ(mask.is_hole(uv), set.sample_alpha(0, uv) < cutoff) << uv.x << " " << uv.y;
+      holes += mask.is_hole(uv);
+    }
+    for (const glm::vec2 uv : {glm::vec2(0), glm::vec2(1), glm::vec2(-1e-9f), glm::vec2(0.99999994f)})
+      EXPECT_EQ(mask.is_hole(uv), set.sample_alpha(0, uv) < cutoff) << uv.x;
+    EXPECT_GT(holes, 1000u);
+    EXPECT_LT(holes, 19000u);
+  }
 }
 
 TEST(TextureSet, GivesBackTheVeryCodesItWasMadeFrom) {
