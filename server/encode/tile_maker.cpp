@@ -72,12 +72,28 @@ Result<std::shared_ptr<const VisibleBlocks>> TileMaker::visible_blocks(const Cel
     for (const auto& [key, blocks] : recent_)
       if (key == std::pair(space.cell, view)) return blocks;
   }
-  const auto seen = tree_->visibility(space.cell, cancel);
+  const auto seen = seen_in_shell(space, cancel);
   if (!seen) return tl::unexpected(seen.error());
-  auto made = std::make_shared<const VisibleBlocks>(**seen, space, position, settings_.edge_samples(static_cast<std::uint8_t>(view)));
+  auto made = std::make_shared<const VisibleBlocks>(**seen, position, settings_.edge_samples(static_cast<std::uint8_t>(view)));
   const std::lock_guard lock(mutex_);
   recent_.emplace_front(std::pair(space.cell, view), made);
   if (recent_.size() > kRemembered) recent_.pop_back();
+  return made;
+}
+
+Result<std::shared_ptr<const std::vector<glm::vec3>>> TileMaker::seen_in_shell(const CellSpace& space, const CancelFlag& cancel) {
+  constexpr std::size_t kRemembered = 4;  // up to some megabytes each
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [cell, points] : recent_points_)
+      if (cell == space.cell) return points;
+  }
+  const auto seen = tree_->visibility(space.cell, cancel);
+  if (!seen) return tl::unexpected(seen.error());
+  auto made = std::make_shared<const std::vector<glm::vec3>>(points_in_shell(**seen, space));
+  const std::lock_guard lock(mutex_);
+  recent_points_.emplace_front(space.cell, made);
+  if (recent_points_.size() > kRemembered) recent_points_.pop_back();
   return made;
 }
 

@@ -37,12 +37,15 @@ class TileMaker : public TileSource {
   int quality_of(const TileId& id) const;
   Result<std::shared_ptr<const VisibleBlocks>> visible_blocks(const CellSpace& space, const glm::dvec3& position, int view,
                                                               const CancelFlag& cancel);
+  /// Points in a leaf's own shell that were seen from it: for all of its views.
+  Result<std::shared_ptr<const std::vector<glm::vec3>>> seen_in_shell(const CellSpace& space, const CancelFlag& cancel);
 
   const std::shared_ptr<CellTree> tree_;
   const double fallback_gain_;
   SkipCounters skips_;
-  std::mutex mutex_;  // guards recent_
+  std::mutex mutex_;  // guards what follows
   std::list<std::pair<std::pair<CellId, int>, std::shared_ptr<const VisibleBlocks>>> recent_;  // of leaves' views, newest first
+  std::list<std::pair<CellId, std::shared_ptr<const std::vector<glm::vec3>>>> recent_points_;
 };
 
 /// A leaf source and a tile source that share the tree and the views of one scene.

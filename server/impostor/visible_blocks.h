@@ -3,6 +3,7 @@
 // neither cast nor sent. Only for leaves: an inner cell's shell is shared by leaves that see different parts of it.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "server/impostor/cell_space.h"
@@ -12,9 +13,9 @@ namespace farfield {
 
 class VisibleBlocks {
  public:
-  /// From the points that a dense probe of the leaf hit beyond its near region (some dozen per block), grown by two
-  /// blocks on every side against what the probe missed.
-  VisibleBlocks(const BoxVisibility& seen, const CellSpace& space, const glm::dvec3& view, int edge_samples);
+  /// From the points that a dense probe of the leaf hit in its shell (some dozen per block), grown by two blocks on every
+  /// side against what the probe missed. O(points + blocks).
+  VisibleBlocks(std::span<const glm::vec3> in_shell, const glm::dvec3& view, int edge_samples);
 
   /// (i, j): a sample of the face, whole samples.
   bool contains(int face, int i, int j) const {
@@ -25,7 +26,10 @@ class VisibleBlocks {
 
  private:
   int edge_;  // blocks along a face
-  std::vector<bool> blocks_;
+  std::vector<std::uint8_t> blocks_;
 };
+
+/// Of what was hit from a leaf, the points in its own shell.
+std::vector<glm::vec3> points_in_shell(const BoxVisibility& seen, const CellSpace& space);
 
 }  // namespace farfield

@@ -118,7 +118,9 @@ TEST(Connectivity, SurfacesGoOnBeyondTheBordersOfTheShell) {
       ASSERT_NE(tile.cut_right[at], kConnected);
       const double place = (tile.cut_right[at] - 0.5) / 8, exact = crossing - first;
       const double beyond = is_covered_before ? place - exact : exact - place;
-      if (tile.cut_right[at] > 1 && tile.cut_right[at] < 8) ASSERT_NEAR(beyond, 2.0 / 8, 1.0 / 16 + 1e-3);
+      if (tile.cut_right[at] > 1 && tile.cut_right[at] < 8) {
+        ASSERT_NEAR(beyond, 2.0 / 8, 1.0 / 16 + 1e-3);
+      }
       ASSERT_GE(beyond, -1.0 / 16 - 1e-3);
       ++checked;
     }

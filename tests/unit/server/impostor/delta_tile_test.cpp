@@ -129,7 +129,7 @@ TEST_F(PillarRoom, SamplesHaveTheDisparityOfTheWall) {
 }
 
 TEST_F(PillarRoom, WhatNobodySeesIsNeitherProbedNorCast) {
-  const VisibleBlocks nothing(BoxVisibility{}, space_, placed_.at(second_), kEdge);
+  const VisibleBlocks nothing({}, placed_.at(second_), kEdge);
   TileWork work;
   const Tile tile = cast_delta_tile(*placed_.scene, space_, {placed_.at(glm::dvec3(0)), placed_.at(second_)}, {{}, 1, 0, 1, 1}, kSettings, kWarpGain,
                                     kTolerance, &nothing, work, skips_);

@@ -80,7 +80,7 @@ TEST(DenseTile, SamplesThatNobodySeesAreNotCast) {
   BoxVisibility seen;
   seen.far_hits.push_back({glm::vec3(placed.at(glm::dvec3(5, -2, -2))), 1e-3f});
   const glm::dvec3 view = placed.at(glm::dvec3(0));
-  const VisibleBlocks visible(seen, space, view, kEdge);
+  const VisibleBlocks visible(points_in_shell(seen, space), view, kEdge);
   TileWork work;
   const Tile tile = cast_dense_tile(*placed.scene, space, view, {{}, kIntraView, 0, 0, 0}, kEdge, kWarpGain, kTolerance, &visible, work);
   std::size_t wanted = 0;

@@ -39,7 +39,7 @@ TEST(VisibleBlocks, HoldEveryBlockThatAFarHitFallsInto) {
   BoxVisibility seen;
   for (int k = 0; k < 300; ++k) seen.far_hits.push_back({{place(random), place(random), place(random)}, 1e-3f});
   for (const glm::dvec3& view : {glm::dvec3(0), glm::dvec3(0.5, -0.5, 0.25)}) {
-    const VisibleBlocks blocks(seen, space, view, kEdge);
+    const VisibleBlocks blocks(points_in_shell(seen, space), view, kEdge);
     int inside = 0;
     for (const FarHit& hit : seen.far_hits) {
       if (!space.contains(glm::dvec3(hit.point))) continue;
@@ -55,7 +55,7 @@ TEST(VisibleBlocks, HoldEveryBlockThatAFarHitFallsInto) {
 TEST(VisibleBlocks, GrowByTwoBlocksAroundAHit) {
   BoxVisibility seen;
   seen.far_hits.push_back({{3, 0.1f, 0.2f}, 1e-3f});
-  const VisibleBlocks blocks(seen, cell_at_origin(), glm::dvec3(0), kEdge);
+  const VisibleBlocks blocks(points_in_shell(seen, cell_at_origin()), glm::dvec3(0), kEdge);
   EXPECT_EQ(blocks.visible(), 25u);
   const Place at = place_of(glm::dvec3(0), {3, 0.1, 0.2});
   EXPECT_TRUE(blocks.contains(at.face, at.i - 2 * kBlockSamples, at.j + 2 * kBlockSamples));
@@ -67,7 +67,8 @@ TEST(VisibleBlocks, HitsOutsideTheShellCountForNothing) {
   BoxVisibility seen;
   seen.far_hits.push_back({{2, 0, 0}, 1e-3f});  // near
   seen.far_hits.push_back({{0, 9, 0}, 1e-3f});  // the parent's shell
-  EXPECT_EQ(VisibleBlocks(seen, cell_at_origin(), glm::dvec3(0), kEdge).visible(), 0u);
+  EXPECT_TRUE(points_in_shell(seen, cell_at_origin()).empty());
+  EXPECT_EQ(VisibleBlocks({}, glm::dvec3(0), kEdge).visible(), 0u);
 }
 
 }  // namespace
