@@ -127,6 +127,12 @@ void find_cuts(const Scene& scene, const CellSpace& space, const ViewFrame& fram
     classify(index, neighbours.right(index), false);
     classify(index, neighbours.down(index), true);
   }
+  // In packets of neighbours: rays row by row would be 16 samples apart.
+  constexpr int kSquare = 8;
+  const auto square_of = [&](const Edge& edge) {
+    return std::pair(sample_j[edge.first] / kSquare, sample_i[edge.first] / kSquare);
+  };
+  std::stable_sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return square_of(a) < square_of(b); });
   bisect(scene, space, frame, samples, edges, sample_i, sample_j, tile);
 }
 

@@ -2,7 +2,8 @@
 #include "server/impostor/delta_tile.h"
 
 #include <algorithm>
-#include <array>
+
+#include "server/impostor/held_points.h"
 
 namespace farfield {
 namespace {
@@ -13,7 +14,13 @@ constexpr double kLargestStretch = 3.0;
 
 // Blocks that miss fewer of their 64 samples are left out: single leaves seen between leaves. They are a tenth of the
 // bytes in foliage, and their voids a few thousandths of a percent of a frame.
-constexpr std::size_t kFewestNeeded = 5;
+constexpr std::size_t kFewestNeeded = 3;
+
+// What a ray of this view hit, until an earlier view is found to hold it.
+struct OpenSample {
+  glm::dvec3 point, normal;  // scene frame; the normal of any length
+  int index;
+};
 
 class DeltaCaster {
  public:
@@ -41,7 +48,7 @@ class DeltaCaster {
   // void that reaches across the border counts for the block inside.
   std::vector<glm::ivec2> find_voids() const {
     const int stride = columns_ + 2;
-    std::vector<std::uint8_t> has_void(static_cast<std::size_t>(stride) * (rows_ + 2), 0);
+    std::vector<OpenSample> open;
     for (int y = -1; y <= rows_; y += 2)
       for (int x = -1; x <= columns_; x += 2) {
         RayPacket rays;
@@ -60,12 +67,16 @@ class DeltaCaster {
         }
         if (!rays.active) continue;
         scene_.intersect(rays, hits);
-        const std::uint32_t missing = unheld(rays, hits);
         for (int lane = 0; lane < kPacketSize; ++lane) {
+          if (!(rays.active >> lane & 1) || hits.part[lane] == kNoHit) continue;
           const glm::ivec2 block = block_of(lane);
-          if (missing >> lane & 1) has_void[static_cast<std::size_t>(block.y + 1) * stride + block.x + 1] = 1;
+          open.push_back({hit_point(rays, hits, lane), {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]},
+                          (block.y + 1) * stride + block.x + 1});
         }
       }
+    drop_held_by_earlier(open);
+    std::vector<std::uint8_t> has_void(static_cast<std::size_t>(stride) * (rows_ + 2), 0);
+    for (const OpenSample& sample : open) has_void[sample.index] = 1;
     std::vector<glm::ivec2> blocks;
     for (int y = -1; y <= rows_; ++y)
       for (int x = -1; x <= columns_; ++x)
@@ -74,28 +85,12 @@ class DeltaCaster {
     return blocks;
   }
 
-  // Lanes that hit something no earlier view holds.
-  std::uint32_t unheld(const RayPacket& rays, const HitPacket& hits) const {
-    std::uint32_t open = 0;
-    glm::dvec3 points[kPacketSize], normals[kPacketSize];
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-      if (!(rays.active >> lane & 1) || hits.part[lane] == kNoHit) continue;
-      points[lane] = hit_point(rays, hits, lane);
-      open |= 1u << lane;
-      normals[lane] = {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]};
-    }
-    for (int view = 0; view < id_.view && open; ++view) {
-      RayPacket segments;
-      segments.active = 0;
-      for (int lane = 0; lane < kPacketSize; ++lane) {
-        if (!(open >> lane & 1) || stretches(points[lane], normals[lane], view)) continue;
-        segments.active |= 1u << lane;
-        set_segment(segments, lane, views_[view], points[lane], space_, slack_);
-      }
-      if (!segments.active) continue;
-      open &= ~segments.active | scene_.occluded(segments);
-    }
-    return open;
+  // What is left no earlier view holds.
+  void drop_held_by_earlier(std::vector<OpenSample>& open) const {
+    for (int view = 0; view < id_.view && !open.empty(); ++view)
+      drop_held(
+          scene_, space_, slack_, views_[view], open,
+          [&](const OpenSample& sample) { return stretches(sample.point, sample.normal, view); }, [](const OpenSample&) {});
   }
 
  private:
@@ -139,19 +134,26 @@ class RegionSamples {
   int index(int x, int y) const { return y * width + x; }
 
   // Casts the given blocks and, as long as a void reaches the edge of a block, the block beyond.
-  void cast(std::vector<glm::ivec2> open) {
-    while (!open.empty()) {
-      const glm::ivec2 block = open.back();
-      open.pop_back();
-      if (block.x < 0 || block.y < 0 || block.x >= caster_.columns() || block.y >= caster_.rows()) continue;
-      std::uint8_t& is_cast = is_cast_[static_cast<std::size_t>(block.y) * caster_.columns() + block.x];
-      if (is_cast || !caster_.is_visible(block.x, block.y)) continue;
-      is_cast = 1;
-      for (int quarter = 0; quarter < 4; ++quarter)
-        cast_packet(block * kBlockSamples + glm::ivec2(quarter % 2, quarter / 2) * 4);
-      blocks.push_back(block);
-      for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)})
-        if (is_needed_at_edge(block, step)) open.push_back(block + step);
+  void cast(std::vector<glm::ivec2> wanted) {
+    while (!wanted.empty()) {
+      const std::size_t first = blocks.size();
+      std::vector<OpenSample> open;
+      for (const glm::ivec2& block : wanted) {
+        if (block.x < 0 || block.y < 0 || block.x >= caster_.columns() || block.y >= caster_.rows()) continue;
+        std::uint8_t& is_cast = is_cast_[static_cast<std::size_t>(block.y) * caster_.columns() + block.x];
+        if (is_cast || !caster_.is_visible(block.x, block.y)) continue;
+        is_cast = 1;
+        for (int quarter = 0; quarter < 4; ++quarter)
+          cast_packet(block * kBlockSamples + glm::ivec2(quarter % 2, quarter / 2) * 4, open);
+        blocks.push_back(block);
+      }
+      caster_.drop_held_by_earlier(open);
+      for (const OpenSample& sample : open) needed[sample.index] = 1;
+      for (std::size_t b = first; b < blocks.size(); ++b) infer_needed(blocks[b]);
+      wanted.clear();
+      for (std::size_t b = first; b < blocks.size(); ++b)
+        for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)})
+          if (is_needed_at_edge(blocks[b], step)) wanted.push_back(blocks[b] + step);
     }
     // By column, then row: the order in which the format lists blocks.
     std::sort(blocks.begin(), blocks.end(), [](const glm::ivec2& a, const glm::ivec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -186,7 +188,7 @@ class RegionSamples {
     return false;
   }
   // 4×4 samples from (first.x, first.y) of the region.
-  void cast_packet(const glm::ivec2& first) {
+  void cast_packet(const glm::ivec2& first, std::vector<OpenSample>& open) {
     int i[kPacketSize], j[kPacketSize], at[kPacketSize];
     for (int lane = 0; lane < kPacketSize; ++lane) {
       const int x = first.x + lane % 4, y = first.y + lane / 4;
@@ -194,31 +196,34 @@ class RegionSamples {
       at[lane] = i[lane] < frame_.edge_samples && j[lane] < frame_.edge_samples ? index(x, y) : -1;
     }
     cast_samples(scene_, space_, frame_, i, j, at, arrays);
-    // What was hit is found again from its disparity and plane, in the form the visibility test wants.
-    RayPacket rays;
-    HitPacket hits;
-    rays.active = 0;
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-      hits.part[lane] = kNoHit;
-      if (at[lane] < 0 || !arrays.covered[at[lane]]) continue;
-      rays.active |= 1u << lane;
-      const glm::dvec3 direction = frame_.direction(i[lane], j[lane]);
-      set_ray(rays, lane, frame_.position, direction, space_.shell);
-      hits.part[lane] = 0;
-      const double disparity = arrays.disparity[at[lane]];
-      hits.distance[lane] = static_cast<float>(frame_.side_m / disparity);
-      // From d = side·(n·D)/c: n_u = gradient_i, n_v = gradient_j per pitch, n·D = d fixes the third component.
-      float normal[3];
-      const double nu = arrays.gradient_i[at[lane]] / frame_.pitch, nv = arrays.gradient_j[at[lane]] / frame_.pitch;
-      const CubeFace& face = frame_.face;
-      normal[face.u_axis()] = static_cast<float>(nu);
-      normal[face.v_axis()] = static_cast<float>(nv);
-      normal[face.axis] = static_cast<float>(face.sign * (disparity - nu * direction[face.u_axis()] - nv * direction[face.v_axis()]));
-      hits.normal_x[lane] = normal[0], hits.normal_y[lane] = normal[1], hits.normal_z[lane] = normal[2];
-    }
-    const std::uint32_t missing = rays.active ? caster_.unheld(rays, hits) : 0;
     for (int lane = 0; lane < kPacketSize; ++lane)
-      if (at[lane] >= 0) needed[at[lane]] = missing >> lane & 1;
+      if (is_asked_about(first.x + lane % 4, first.y + lane / 4) && at[lane] >= 0 && arrays.covered[at[lane]])
+        open.push_back(sample_at(i[lane], j[lane], at[lane]));
+  }
+  // Whether earlier views hold a sample is asked of every other one, as on a chessboard. One between two that are needed is
+  // needed as well.
+  static bool is_asked_about(int x, int y) { return (x + y) % 2 == 0; }
+  void infer_needed(const glm::ivec2& block) {
+    for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
+      const int x = block.x * kBlockSamples + k % kBlockSamples, y = block.y * kBlockSamples + k / kBlockSamples;
+      if (is_asked_about(x, y) || !arrays.covered[index(x, y)]) continue;
+      const int beside = (x > 0 && needed[index(x - 1, y)]) + (x + 1 < width && needed[index(x + 1, y)]);
+      const int above_or_below = (y > 0 && needed[index(x, y - 1)]) + (y + 1 < height && needed[index(x, y + 1)]);
+      if (beside + above_or_below >= 2) needed[index(x, y)] = 1;
+    }
+  }
+  // What was hit, found again from its disparity and plane.
+  OpenSample sample_at(int i, int j, int at) const {
+    const glm::dvec3 direction = frame_.direction(i, j);
+    const double disparity = arrays.disparity[at];
+    // From d = side·(n·D)/c: n_u = gradient_i, n_v = gradient_j per pitch, n·D = d fixes the third component.
+    const double nu = arrays.gradient_i[at] / frame_.pitch, nv = arrays.gradient_j[at] / frame_.pitch;
+    const CubeFace& face = frame_.face;
+    glm::dvec3 normal;
+    normal[face.u_axis()] = nu;
+    normal[face.v_axis()] = nv;
+    normal[face.axis] = face.sign * (disparity - nu * direction[face.u_axis()] - nv * direction[face.v_axis()]);
+    return {frame_.position + direction * (frame_.side_m / disparity), normal, at};
   }
 
   const Scene& scene_;

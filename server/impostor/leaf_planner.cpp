@@ -6,6 +6,7 @@
 
 #include "common/base/thread_clock.h"
 #include "common/cells/sampling.h"
+#include "server/impostor/held_points.h"
 
 namespace farfield {
 namespace {
@@ -36,13 +37,10 @@ class ShellNeeds {
 
   void add(const FarHit& hit) {
     mark(kIntraView, hit);
-    if (views_->positions.size() > 1) {
-      waiting_.push_back(hit);
-      if (waiting_.size() == kPacketSize) ask_delta_views();
-    }
+    if (views_->positions.size() > 1) waiting_.push_back(hit);
   }
   void finish(std::vector<NeededTile>& tiles, double spheres) {
-    if (!waiting_.empty()) ask_delta_views();
+    ask_delta_views();
     std::vector<NeededTile> mine;
     for (const auto& [id, solid_angle] : seen_) mine.push_back({id, static_cast<float>(solid_angle / spheres)});
     std::stable_sort(mine.begin(), mine.end(), [](const NeededTile& a, const NeededTile& b) {
@@ -59,18 +57,12 @@ class ShellNeeds {
     const glm::dvec3 direction = glm::dvec3(hit.point) - views_->positions[view];
     seen_[tile_towards(space_.cell, view, direction, settings_)] += hit.solid_angle;
   }
+  // Of each point the first view that holds it.
   void ask_delta_views() {
-    std::uint32_t open = (1u << waiting_.size()) - 1;
-    for (std::size_t view = 0; view < views_->positions.size() && open; ++view) {
-      RayPacket rays;
-      rays.active = open;
-      for (std::size_t k = 0; k < waiting_.size(); ++k)
-        set_segment(rays, static_cast<int>(k), views_->positions[view], waiting_[k].point, space_, slack_);
-      const std::uint32_t held = open & ~scene_.occluded(rays);
-      for (std::size_t k = 0; view > 0 && k < waiting_.size(); ++k)
-        if (held >> k & 1) mark(static_cast<int>(view), waiting_[k]);
-      open &= ~held;
-    }
+    for (std::size_t view = 0; view < views_->positions.size() && !waiting_.empty(); ++view)
+      drop_held(scene_, space_, slack_, views_->positions[view], waiting_, [&](const FarHit& hit) {
+        if (view > 0) mark(static_cast<int>(view), hit);
+      });
     waiting_.clear();
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/cells/sampling.h"
+#include "server/impostor/held_points.h"
 #include "server/impostor/voronoi.h"
 #include "server/visibility/standpoints.h"
 
@@ -67,18 +68,7 @@ class ViewSearch {
 
  private:
   void drop_held(Candidate& candidate, const glm::dvec3& view) const {
-    std::size_t kept = 0;
-    for (std::size_t first = 0; first < candidate.unheld.size(); first += kPacketSize) {
-      const std::size_t count = std::min<std::size_t>(kPacketSize, candidate.unheld.size() - first);
-      RayPacket rays;
-      rays.active = count == kPacketSize ? 0xffffu : (1u << count) - 1;
-      for (std::size_t k = 0; k < count; ++k)
-        set_segment(rays, static_cast<int>(k), view, candidate.unheld[first + k].point, space_, slack_);
-      const std::uint32_t hidden = scene_.occluded(rays);
-      for (std::size_t k = 0; k < count; ++k)
-        if (hidden >> k & 1) candidate.unheld[kept++] = candidate.unheld[first + k];
-    }
-    candidate.unheld.resize(kept);
+    farfield::drop_held(scene_, space_, slack_, view, candidate.unheld, [](const Unheld&) {});
     candidate.void_sr = 0;
     for (const Unheld& u : candidate.unheld) candidate.void_sr += u.solid_angle;
   }
