@@ -64,19 +64,40 @@ class TopologyWalk {
     return x >= 0 && y >= 0 && x < tile_.width ? tile_.coverage[static_cast<std::size_t>(y) * tile_.width + x] : 0;
   }
 
+  // The samples of a block in one of the tile's arrays, row by row.
+  template <class Visit>
+  void each_row(int column, int row, std::vector<std::uint8_t>& values, Visit visit) {
+    const int x = column * kBlockSamples, count = std::min(tile_.width, x + kBlockSamples) - x;
+    const int y_end = std::min(tile_.height, (row + 1) * kBlockSamples);
+    for (int y = row * kBlockSamples; y < y_end; ++y) visit(&values[static_cast<std::size_t>(y) * tile_.width + x], count);
+  }
+  void fill_block(int column, int row, std::vector<std::uint8_t>& values, std::uint8_t value) {
+    each_row(column, row, values, [&](std::uint8_t* first, int count) { std::fill_n(first, count, value); });
+  }
+  bool is_zero(int column, int row, std::vector<std::uint8_t>& values) {
+    std::uint8_t any = 0;
+    each_row(column, row, values, [&](const std::uint8_t* first, int count) {
+      for (int k = 0; k < count; ++k) any |= first[k];
+    });
+    return any == 0;
+  }
+
   void code_coverage(int column, int row) {
     const std::size_t block = static_cast<std::size_t>(row) * columns_ + column;
     int count = 0, total = 0;
-    each_sample(column, row, [&](int, int, int i) { count += tile_.coverage[i], ++total; });
+    each_row(column, row, tile_.coverage, [&](const std::uint8_t* first, int samples) {
+      for (int k = 0; k < samples; ++k) count += first[k];
+      total += samples;
+    });
     const int context = (column > 0 ? states_[block - 1] : 0) * 3 + (row > 0 ? states_[block - columns_] : 0);
     const bool is_mixed = coder_.code(count > 0 && count < total, contexts_.is_mixed[context]);
     const bool is_full = !is_mixed && coder_.code(count == total, contexts_.is_full[context]);
     states_[block] = is_mixed ? 1 : (is_full ? 2 : 0);
+    if (!is_mixed) {
+      fill_block(column, row, tile_.coverage, is_full);
+      return;
+    }
     each_sample(column, row, [&](int x, int y, int i) {
-      if (!is_mixed) {
-        tile_.coverage[i] = is_full;
-        return;
-      }
       // The sample above and to the right is known only inside this block or in the row of blocks above.
       const bool knows_right = (x + 1) % kBlockSamples != 0 || y % kBlockSamples == 0;
       const int c = covered(x - 1, y) | covered(x, y - 1) << 1 | covered(x - 1, y - 1) << 2 |
@@ -90,24 +111,39 @@ class TopologyWalk {
     const std::size_t block = static_cast<std::size_t>(row) * columns_ + column;
     bool any = false;
     if (states_[block] != 0) {
-      each_sample(column, row, [&](int, int, int i) {
-        if (!tile_.coverage[i]) return;
-        const int right = neighbours_.right(i), down = neighbours_.down(i);
-        if (right >= 0 && tile_.coverage[right] && tile_.cut_right[i]) any = true;
-        if (down >= 0 && tile_.coverage[down] && tile_.cut_down[i]) any = true;
-      });
+      if (!is_zero(column, row, tile_.cut_right) || !is_zero(column, row, tile_.cut_down)) {
+        each_sample(column, row, [&](int, int, int i) {
+          if (!tile_.coverage[i]) return;
+          const int right = neighbours_.right(i), down = neighbours_.down(i);
+          if (right >= 0 && tile_.coverage[right] && tile_.cut_right[i]) any = true;
+          if (down >= 0 && tile_.coverage[down] && tile_.cut_down[i]) any = true;
+        });
+      }
       const int context = (column > 0 ? cut_blocks_[block - 1] : 0) + 2 * (row > 0 ? cut_blocks_[block - columns_] : 0);
       any = coder_.code(any, contexts_.has_cuts[context]);
     }
     cut_blocks_[block] = any;
     // A block without mixed coverage and without cuts has only the edges across its right and lower border to code.
     const bool is_plain = states_[block] != 1 && !any;
+    if (is_plain && !borders_on_another_state(column, row)) {
+      fill_block(column, row, tile_.cut_right, kConnected);
+      fill_block(column, row, tile_.cut_down, kConnected);
+      return;
+    }
     const int last_x = std::min(tile_.width, (column + 1) * kBlockSamples) - 1, last_y = std::min(tile_.height, (row + 1) * kBlockSamples) - 1;
     each_sample(column, row, [&](int x, int y, int i) {
       if (is_plain && x < last_x && y < last_y) return;
       code_edge(i, neighbours_.right(i), neighbours_.up(i), neighbours_.left(i), tile_.cut_right, tile_.cut_down, 0, any);
       code_edge(i, neighbours_.down(i), neighbours_.left(i), neighbours_.up(i), tile_.cut_down, tile_.cut_right, 1, any);
     });
+  }
+
+  // Whether an edge across a plain block's right or lower border may have one covered end. Neighbours in the image are
+  // neighbours on the face only in dense tiles.
+  bool borders_on_another_state(int column, int row) const {
+    if (tile_.is_packed()) return true;
+    const std::size_t block = static_cast<std::size_t>(row) * columns_ + column;
+    return (column + 1 < columns_ && states_[block + 1] != states_[block]) || (row + 1 < rows_ && states_[block + columns_] != states_[block]);
   }
 
   // `along`: the sample whose same edge continues the silhouette; `before`: the sample whose edge leads into this one.

@@ -69,6 +69,11 @@ class AreaCounts {
   std::vector<int> sums_;
 };
 
+// A sample of a surface: its index in the tile's arrays, and where that is.
+struct Member {
+  int index, x, y;
+};
+
 // The structure both sides share: nodes, surfaces and predictions.
 class PlaneTree {
  protected:
@@ -109,13 +114,13 @@ class PlaneTree {
 
   // Samples of each connected surface of a node, surfaces in raster order of their first sample.
   // Packed tiles: nodes never reach across blocks, so image neighbours are face neighbours.
-  void find_surfaces(const Node& n, std::vector<std::vector<int>>& surfaces) {
+  void find_surfaces(const Node& n, std::vector<std::vector<Member>>& surfaces) {
     surfaces.clear();
     if (is_whole(n)) {
-      std::vector<int>& members = surfaces.emplace_back();
+      std::vector<Member>& members = surfaces.emplace_back();
       members.reserve(static_cast<std::size_t>(n.size) * n.size);
       for (int y = n.y; y < n.y_end; ++y)
-        for (int x = n.x; x < n.x_end; ++x) members.push_back(index(x, y));
+        for (int x = n.x; x < n.x_end; ++x) members.push_back({index(x, y), x, y});
       return;
     }
     for (int y = n.y; y < n.y_end; ++y)
@@ -127,33 +132,33 @@ class PlaneTree {
         if (!tile_.coverage[first] || label_[first] >= 0) continue;
         const int label = count++;
         label_[first] = label;
-        open_.assign(1, first);
+        open_.assign(1, {first, x, y});
         while (!open_.empty()) {
-          const int i = open_.back(), ix = i % tile_.width, iy = i / tile_.width;
+          const auto [i, ix, iy] = open_.back();
           open_.pop_back();
-          const auto join = [&](bool is_inside, int other, std::uint8_t cut) {
-            if (!is_inside || cut != kConnected || !tile_.coverage[other] || label_[other] >= 0) return;
-            label_[other] = label;
+          const auto join = [&](const Member& other, std::uint8_t cut) {
+            if (cut != kConnected || !tile_.coverage[other.index] || label_[other.index] >= 0) return;
+            label_[other.index] = label;
             open_.push_back(other);
           };
-          join(ix + 1 < n.x_end, i + 1, tile_.cut_right[i]);
-          join(iy + 1 < n.y_end, i + tile_.width, tile_.cut_down[i]);
-          if (ix > n.x) join(true, i - 1, tile_.cut_right[i - 1]);
-          if (iy > n.y) join(true, i - tile_.width, tile_.cut_down[i - tile_.width]);
+          if (ix + 1 < n.x_end) join({i + 1, ix + 1, iy}, tile_.cut_right[i]);
+          if (iy + 1 < n.y_end) join({i + tile_.width, ix, iy + 1}, tile_.cut_down[i]);
+          if (ix > n.x) join({i - 1, ix - 1, iy}, tile_.cut_right[i - 1]);
+          if (iy > n.y) join({i - tile_.width, ix, iy - 1}, tile_.cut_down[i - tile_.width]);
         }
       }
     surfaces.resize(static_cast<std::size_t>(count));
     for (int y = n.y; y < n.y_end; ++y)
       for (int x = n.x; x < n.x_end; ++x)
-        if (const int i = index(x, y); label_[i] >= 0) surfaces[label_[i]].push_back(i);
+        if (const int i = index(x, y); label_[i] >= 0) surfaces[label_[i]].push_back({i, x, y});
   }
 
   // Members of the surface have no plane yet, so any plane found beside them belongs to a sample coded before.
   // The plane of an already coded sample connected to the surface, else a flat one at the last coded value.
-  Plane predict(const std::vector<int>& members, bool& is_connected) const {
+  Plane predict(const std::vector<Member>& members, bool& is_connected) const {
     is_connected = true;
-    for (const int i : members) {
-      const int left = neighbours_.left(i), up = neighbours_.up(i);
+    for (const Member& member : members) {
+      const int left = neighbours_.left(member.index), up = neighbours_.up(member.index);
       if (left >= 0 && plane_of_[left] >= 0 && tile_.cut_right[left] == kConnected)
         return planes_[plane_of_[left]];
       if (up >= 0 && plane_of_[up] >= 0 && tile_.cut_down[up] == kConnected)
@@ -163,14 +168,14 @@ class PlaneTree {
     return Plane{last_units_, 0, 0};
   }
 
-  void adopt(const std::vector<int>& members, const Plane& plane) {
+  void adopt(const std::vector<Member>& members, const Plane& plane) {
     planes_.push_back(plane);
     const int id = static_cast<int>(planes_.size()) - 1;
-    for (const int i : members) {
-      plane_of_[i] = id;
-      units_[i] = std::clamp<std::int64_t>(plane.at(i % tile_.width, i / tile_.width), 0, kLargestUnits);
+    for (const Member& member : members) {
+      plane_of_[member.index] = id;
+      units_[member.index] = std::clamp<std::int64_t>(plane.at(member.x, member.y), 0, kLargestUnits);
     }
-    last_units_ = units_[members.front()];
+    last_units_ = units_[members.front().index];
   }
 
   const Tile& tile_;
@@ -178,7 +183,8 @@ class PlaneTree {
   TileNeighbours neighbours_;
   std::vector<std::int64_t> units_;
   std::vector<int> plane_of_;
-  std::vector<int> label_, open_;
+  std::vector<int> label_;
+  std::vector<Member> open_;
   std::vector<Plane> planes_;
   std::int64_t last_units_ = 0;
   Contexts contexts_;
@@ -203,7 +209,7 @@ class DisparityEncoder : PlaneTree {
       each_child(node, [&](const Node& child) { encode(child); });
       return;
     }
-    std::vector<std::vector<int>> surfaces;
+    std::vector<std::vector<Member>> surfaces;
     find_surfaces(node, surfaces);
     std::vector<Plane> planes(surfaces.size());
     std::vector<char> fits(surfaces.size());
@@ -240,10 +246,10 @@ class DisparityEncoder : PlaneTree {
   }
 
   // Least squares over the surface's samples, recentred between the extremes, then rounded as it will be coded.
-  bool fit(const Node& node, const std::vector<int>& members, Plane& plane) const {
+  bool fit(const Node& node, const std::vector<Member>& members, Plane& plane) const {
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sd = 0, sxd = 0, syd = 0;
-    for (const int i : members) {
-      const double x = i % tile_.width - node.x, y = i / tile_.width - node.y, d = wanted(i);
+    for (const Member& member : members) {
+      const double x = member.x - node.x, y = member.y - node.y, d = wanted(member.index);
       n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y, syy += y * y, sd += d, sxd += x * d, syd += y * d;
     }
     const double mx = sx / n, my = sy / n, md = sd / n;
@@ -270,9 +276,8 @@ class DisparityEncoder : PlaneTree {
     if (!(std::abs(gx) < 1e9 && std::abs(gy) < 1e9)) return false;
     plane.gx = quantised(gx, shift), plane.gy = quantised(gy, shift);
     double low = 1e300, high = -1e300;
-    for (const int i : members) {
-      const double rest = wanted(i) - static_cast<double>(plane.gx * (i % tile_.width - node.x) +
-                                                          plane.gy * (i / tile_.width - node.y));
+    for (const Member& member : members) {
+      const double rest = wanted(member.index) - static_cast<double>(plane.gx * (member.x - node.x) + plane.gy * (member.y - node.y));
       low = std::min(low, rest), high = std::max(high, rest);
     }
     const std::int64_t corner = quantised(0.5 * (low + high), kOffsetShift);
@@ -281,7 +286,7 @@ class DisparityEncoder : PlaneTree {
     return std::max(high - static_cast<double>(corner), static_cast<double>(corner) - low) <= 255.0;
   }
 
-  void put_surface(const Node& node, const std::vector<int>& members, bool is_plane, const Plane& plane) {
+  void put_surface(const Node& node, const std::vector<Member>& members, bool is_plane, const Plane& plane) {
     bool is_connected = false;
     const Plane guess = predict(members, is_connected);
     const int kind = size_class(node.size) * 2 + is_connected;
@@ -299,11 +304,11 @@ class DisparityEncoder : PlaneTree {
     adopt(members, plane);
   }
 
-  void put_levels(const std::vector<int>& members) {
+  void put_levels(const std::vector<Member>& members) {
     for (std::size_t k = 0; k < members.size(); ++k) {
-      const std::int64_t level = std::llround(wanted(members[k]) / static_cast<double>(kLevel));
+      const std::int64_t level = std::llround(wanted(members[k].index) / static_cast<double>(kLevel));
       put_integer(coder_, static_cast<std::int32_t>(level - (last_units_ + kLevel / 2) / kLevel), contexts_.level[k > 0]);
-      last_units_ = units_[members[k]] = level * kLevel;
+      last_units_ = units_[members[k].index] = level * kLevel;
     }
   }
 
@@ -330,19 +335,19 @@ class DisparityDecoder : PlaneTree {
       each_child(node, [&](const Node& child) { decode(child); });
       return;
     }
-    std::vector<std::vector<int>> surfaces;
+    std::vector<std::vector<Member>> surfaces;
     find_surfaces(node, surfaces);
-    for (const std::vector<int>& members : surfaces) get_surface(node, members);
+    for (const std::vector<Member>& members : surfaces) get_surface(node, members);
   }
 
-  void get_surface(const Node& node, const std::vector<int>& members) {
+  void get_surface(const Node& node, const std::vector<Member>& members) {
     bool is_connected = false;
     const Plane guess = predict(members, is_connected);
     const int kind = size_class(node.size) * 2 + is_connected;
     if (node.size == kSmallestNode && !coder_.get(contexts_.is_plane[is_connected])) {
       for (std::size_t k = 0; k < members.size(); ++k) {
         const std::int64_t level = (last_units_ + kLevel / 2) / kLevel + get_integer(coder_, contexts_.level[k > 0]);
-        last_units_ = units_[members[k]] = std::clamp<std::int64_t>(level * kLevel, 0, kLargestUnits);
+        last_units_ = units_[members[k].index] = std::clamp<std::int64_t>(level * kLevel, 0, kLargestUnits);
       }
       return;
     }
