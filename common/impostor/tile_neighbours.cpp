@@ -22,7 +22,7 @@ TileNeighbours::TileNeighbours(bool is_packed, int width, int height, const std:
 }
 
 int TileNeighbours::across(int index, int dx, int dy) const {
-  const int column = index % width_, row = index / width_;
+  const int column = column_of(index), row = row_of(index);
   const int x = column % kBlockSamples + dx, y = row % kBlockSamples + dy;
   if (x >= 0 && y >= 0 && x < kBlockSamples && y < kBlockSamples) return index + dy * width_ + dx;
   const std::size_t block = static_cast<std::size_t>(row / kBlockSamples) * kPackedColumns + column / kBlockSamples;

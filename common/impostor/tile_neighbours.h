@@ -24,12 +24,15 @@ class TileNeighbours {
   explicit TileNeighbours(const Tile& tile) : TileNeighbours(tile.is_packed(), tile.width, tile.height, tile.blocks) {}
   TileNeighbours(bool is_packed, int width, int height, const std::vector<BlockPlace>& blocks);
 
-  int right(int index) const { return is_packed_ ? across(index, 1, 0) : (index % width_ + 1 < width_ ? index + 1 : -1); }
+  int right(int index) const { return is_packed_ ? across(index, 1, 0) : (column_of(index) + 1 < width_ ? index + 1 : -1); }
   int down(int index) const { return is_packed_ ? across(index, 0, 1) : (index + width_ < size_ ? index + width_ : -1); }
-  int left(int index) const { return is_packed_ ? across(index, -1, 0) : (index % width_ > 0 ? index - 1 : -1); }
+  int left(int index) const { return is_packed_ ? across(index, -1, 0) : (column_of(index) > 0 ? index - 1 : -1); }
   int up(int index) const { return is_packed_ ? across(index, 0, -1) : (index >= width_ ? index - width_ : -1); }
 
  private:
+  // Nearly every tile has the one width that a compiler can divide by quickly.
+  int column_of(int index) const { return width_ == kTileSamples ? index % kTileSamples : index % width_; }
+  int row_of(int index) const { return width_ == kTileSamples ? index / kTileSamples : index / width_; }
   int across(int index, int dx, int dy) const;
 
   bool is_packed_;
