@@ -15,8 +15,7 @@ std::size_t heap_bytes(const std::vector<T>& values) {
 }
 
 std::size_t memory_of(const DecodedTile& tile) {
-  return sizeof(DecodedTile) + heap_bytes(tile.mesh.rgb) + heap_bytes(tile.mesh.cuts) + heap_bytes(tile.mesh.vertices) +
-         heap_bytes(tile.mesh.indices) + tile.splats.memory_bytes();
+  return sizeof(DecodedTile) + tile.mesh.memory_bytes() + tile.splats.memory_bytes();
 }
 
 std::string context_of(const PayloadName& name) {
@@ -72,7 +71,7 @@ Result<DecodedPayload> PayloadDecoder::decode_tile_payload(const EncodedPayload&
   decoded->view_position = grid_.box(tile->id.cell).center() + glm::dvec3(tile->view_offset) * decoded->side_m;
   decoded->tolerance = tile->disparity_tolerance;
   decoded->certificate = tile->certificate;
-  if (form_ != DecodeForm::kSplats) decoded->mesh = build_depth_mesh(*tile, tile->disparity_tolerance);
+  if (form_ != DecodeForm::kSplats) decoded->mesh = PackedMesh(build_depth_mesh(*tile, tile->disparity_tolerance));
   if (form_ != DecodeForm::kMesh) decoded->splats = build_splats(*tile);
   decoded->memory_bytes = memory_of(*decoded);
   DecodedPayload result;

@@ -36,11 +36,11 @@ struct FrameOptions {
   ImpostorOptions impostors;
 };
 
-/// Milliseconds by part; each part ends with its results in memory.
-/// What a bound on main memory leaves for the client's store: without a GPU, impostors in OpenGL's hands are in main
-/// memory too, and their budget, or half of the bound, is taken from it.
+/// What a bound on main memory leaves for the client's store: without a GPU, what OpenGL holds is in main memory too, and
+/// is taken from it, up to half of the bound or a little more.
 std::size_t store_bytes(std::size_t memory_bytes, Renderer renderer, bool is_software);
 
+/// Milliseconds by part; each part ends with its results in memory.
 struct FrameTimes {
   double near_ms = 0;       // upload and draw near geometry (kCpu: without what overlaps with the impostors)
   double impostors_ms = 0;  // upload and draw impostors (kCpu: with cracks and voids)

@@ -8,8 +8,8 @@
 
 #include "common/cells/cell_id.h"
 #include "common/geometry/chunk.h"
-#include "common/impostor/depth_mesh.h"
 #include "common/impostor/direction_mask.h"
+#include "common/impostor/packed_mesh.h"
 #include "common/impostor/splats.h"
 #include "common/impostor/tile.h"
 
@@ -23,7 +23,7 @@ struct DecodedTile {
   glm::dvec3 view_position{0};   // scene frame
   double side_m = 1;             // of the cell: disparities are in 1/side
   float tolerance = 0;           // guaranteed disparity error, 1/side
-  DepthMesh mesh;                // with its texture: for the GL renderer
+  PackedMesh mesh;               // with its texture: for the GL renderer
   Splats splats;                 // for the CPU warper
   Certificate certificate;
   std::size_t memory_bytes = 0;

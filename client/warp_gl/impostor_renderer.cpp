@@ -173,7 +173,7 @@ ImpostorStatistics ImpostorRenderer::draw(const LeafView& leaf, const ViewTransf
 
   s.visible.clear();
   for (const auto& tile : leaf.tiles) {
-    if (!tile || tile->mesh.indices.empty()) continue;
+    if (!tile || tile->mesh.is_empty()) continue;
     const ResidentTile* resident = s.store.find(*tile);
     if (!resident) {
       ++statistics.missing_tiles;

@@ -5,15 +5,6 @@
 #include <limits>
 
 namespace farfield::client {
-namespace {
-
-std::uint64_t upload_bytes(const DepthMesh& mesh) {
-  return mesh.vertices.size() * sizeof(ImpostorVertex) + mesh.indices.size() * sizeof(std::uint32_t) +
-         mesh.rgb.size() / 3 * 4;
-}
-
-}  // namespace
-
 ImpostorStore::ImpostorStore(const GlAbilities& abilities, std::size_t budget_bytes)
     : abilities_(abilities), budget_bytes_(budget_bytes) {}
 
@@ -28,7 +19,7 @@ bool ImpostorStore::is_acceptable(const DepthMesh& mesh) const {
 }
 
 bool ImpostorStore::add(const DecodedTile& tile, std::uint64_t keep_from) {
-  const DepthMesh& mesh = tile.mesh;
+  const DepthMesh mesh = tile.mesh.unpack();
   if (!is_acceptable(mesh)) return false;
   const auto view = views_.acquire(tile.view_position, tile.side_m, mesh.face);
   if (!view) return false;
@@ -80,8 +71,8 @@ UploadResult ImpostorStore::upload(const LeafView& leaf, std::size_t frame_uploa
     if (tile) find(*tile);
   }
   for (const auto& tile : leaf.tiles) {
-    if (!tile || tile->mesh.indices.empty() || find(*tile)) continue;
-    const std::uint64_t bytes = upload_bytes(tile->mesh);
+    if (!tile || tile->mesh.is_empty() || find(*tile)) continue;
+    const std::uint64_t bytes = tile->mesh.unpacked_bytes();
     if (result.uploaded_bytes > 0 && result.uploaded_bytes + bytes > frame_upload_bytes) {
       result.is_complete = false;
       continue;  // the rest is still marked as wanted

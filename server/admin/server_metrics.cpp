@@ -85,6 +85,18 @@ void write_metrics(PrometheusText& out, std::span<const std::shared_ptr<Measured
     out.counter("farfield_leaf_plans_total", "Leaf plans begun to be made.", number(s.plan_flights.begun), scene);
   });
   per_scene([&](const auto& s, MetricLabel scene) {
+    out.counter("farfield_tiles_empty_total", "Tiles that held nothing and were not sent.", number(s.skipped.empty_tiles), scene);
+  });
+  per_scene([&](const auto& s, MetricLabel scene) {
+    out.counter("farfield_samples_hidden_total", "Samples not cast: nobody in their leaf can see them.", number(s.skipped.hidden_samples), scene);
+  });
+  per_scene([&](const auto& s, MetricLabel scene) {
+    out.counter("farfield_delta_blocks_not_cast_total", "Blocks of delta views not cast: earlier views hold them.", number(s.skipped.delta_blocks_not_cast), scene);
+  });
+  per_scene([&](const auto& s, MetricLabel scene) {
+    out.counter("farfield_delta_samples_held_total", "Samples of delta views not kept: earlier views hold them.", number(s.skipped.delta_samples_held), scene);
+  });
+  per_scene([&](const auto& s, MetricLabel scene) {
     out.histogram("farfield_tile_seconds", "Thread seconds per tile made.", s.tile_seconds, scene);
   });
 }

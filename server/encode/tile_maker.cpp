@@ -54,10 +54,10 @@ Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWor
   if (id.is_delta()) {
     DeltaSkips skips;
     tile = cast_delta_tile(*scene_, space, positions, id, settings_, gain, tolerance, visible.get(), work, skips);
-    skips_.blocks_probed += skips.blocks_probed, skips_.blocks_cast += skips.blocks_cast, skips_.samples_held += skips.samples_held;
+    blocks_not_cast_ += skips.blocks_probed - skips.blocks_cast, samples_held_ += skips.samples_held;
   } else {
     tile = cast_dense_tile(*scene_, space, positions[0], id, settings_.edge_samples(), gain, tolerance, visible.get(), work);
-    skips_.samples_hidden += tile.samples() - work.rays;
+    hidden_samples_ += tile.samples() - work.rays;
   }
   tile.certificate = {static_cast<float>((*views)->void_worst_sr), static_cast<float>((*views)->void_mean_sr), -1.0f,
                       static_cast<float>(settings_.tau_px)};
@@ -105,10 +105,9 @@ Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, con
   if (!tile) return tl::unexpected(tile.error());
   auto result = std::make_shared<EncodedTile>();
   result->intra_seconds = id.view == kIntraView ? work.intra_seconds : 0;
-  skips_.rays += work.rays, ++skips_.tiles;
   const bool is_empty = std::find(tile->coverage.begin(), tile->coverage.end(), 1) == tile->coverage.end();
   if (is_empty) {
-    ++skips_.tiles_empty;
+    ++empty_tiles_;
     result->bytes = std::make_shared<const Bytes>();
   } else {
     TileBytes bytes;

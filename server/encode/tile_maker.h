@@ -13,11 +13,6 @@
 
 namespace farfield {
 
-/// What was not cast, kept or sent, and why: counted since start.
-struct SkipCounters {
-  std::atomic<std::uint64_t> tiles_empty{0}, samples_hidden{0}, blocks_probed{0}, blocks_cast{0}, samples_held{0}, rays{0}, tiles{0};
-};
-
 class TileMaker : public TileSource {
  public:
   TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
@@ -27,7 +22,9 @@ class TileMaker : public TileSource {
 
   /// The tile before encoding: for tests and for comparing with truth.
   Result<Tile> cast(const TileId& id, const CancelFlag& cancel, TileWork& work);
-  const SkipCounters& skips() const { return skips_; }
+  TileSkips skips() const override {
+    return {.empty_tiles = empty_tiles_, .hidden_samples = hidden_samples_, .delta_blocks_not_cast = blocks_not_cast_, .delta_samples_held = samples_held_};
+  }
 
  private:
   const std::shared_ptr<const Scene> scene_;
@@ -42,7 +39,7 @@ class TileMaker : public TileSource {
 
   const std::shared_ptr<CellTree> tree_;
   const double fallback_gain_;
-  SkipCounters skips_;
+  std::atomic<std::uint64_t> empty_tiles_{0}, hidden_samples_{0}, blocks_not_cast_{0}, samples_held_{0};
   std::mutex mutex_;  // guards what follows
   std::list<std::pair<std::pair<CellId, int>, std::shared_ptr<const VisibleBlocks>>> recent_;  // of leaves' views, newest first
   std::list<std::pair<CellId, std::shared_ptr<const std::vector<glm::vec3>>>> recent_points_;

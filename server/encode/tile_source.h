@@ -17,12 +17,21 @@ struct EncodedTile {
   std::uint32_t colour_bytes = 0, disparity_bytes = 0, other_bytes = 0;
 };
 
+/// What was not cast, kept or sent because nobody needs it: counted since start.
+struct TileSkips {
+  std::uint64_t empty_tiles = 0;           // held nothing
+  std::uint64_t hidden_samples = 0;        // of dense tiles: nobody in the leaf can see them
+  std::uint64_t delta_blocks_not_cast = 0; // probed, and earlier views hold all of it
+  std::uint64_t delta_samples_held = 0;    // cast, and an earlier view holds them
+};
+
 /// Thread-safe. The bytes depend on scene, settings and id only. Runs on the calling thread (1 … 50 ms per tile).
 /// Errors: kCancelled.
 class TileSource {
  public:
   virtual ~TileSource() = default;
   virtual Result<std::shared_ptr<const EncodedTile>> make(const TileId& id, const CancelFlag& cancel) = 0;
+  virtual TileSkips skips() const { return {}; }
 };
 
 }  // namespace farfield

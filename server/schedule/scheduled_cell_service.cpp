@@ -138,7 +138,8 @@ class ScheduledCellService final : public MeasuredCellService {
             .plan_flights = plans_.statistics(),
             .tile_flights = tiles_.statistics(),
             .geometry_flights = geometry_.statistics(),
-            .tile_seconds = recorder_.tile_seconds()};
+            .tile_seconds = recorder_.tile_seconds(),
+            .skipped = parts_.tiles->skips()};
   }
   std::vector<CellStatistics> cell_statistics() const override { return recorder_.cells(); }
 

@@ -38,6 +38,7 @@ struct CellServiceStatistics {
   PlanCacheStatistics plan_cache;
   FlightStatistics leaf_flights, plan_flights, tile_flights, geometry_flights;
   DurationHistogram tile_seconds;  // thread seconds per tile made
+  TileSkips skipped;
 };
 
 /// A cell service that also tells what it did.

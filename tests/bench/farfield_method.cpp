@@ -109,6 +109,14 @@ void add_cells(const Serving& serving, MethodResult& result) {
   result.depth_bits = covered > 0 ? 8 * disparity_bytes / covered : kNone;
 }
 
+void add_skips(const Serving& serving, MethodResult& result) {
+  const TileSkips skips = serving.service->statistics().skipped;
+  result.skipped["empty_tiles"] = static_cast<double>(skips.empty_tiles);
+  result.skipped["hidden_samples"] = static_cast<double>(skips.hidden_samples);
+  result.skipped["delta_blocks_not_cast"] = static_cast<double>(skips.delta_blocks_not_cast);
+  result.skipped["delta_samples_held"] = static_cast<double>(skips.delta_samples_held);
+}
+
 double number(const nlohmann::json& json, const char* key) { return json.value(key, kNone); }
 
 void add_bytes(const World& world, const nlohmann::json& client, MethodResult& result) {
@@ -155,6 +163,7 @@ Result<MethodResult> run_farfield(const World& world, const std::string& rendere
       result.triangles = mean((*client)["triangles"].get<std::vector<double>>());
       result.samples = mean((*client)["samples"].get<std::vector<double>>());
       add_cells(**serving, result);
+      add_skips(**serving, result);
       result.error = judge_lockstep(world, folder->path(), result);
       // Without real time, the rate is what the walk would need with its clock running.
       result.mbit_s_warm = 8e-6 * (result.bytes_total - result.bytes_entry) / std::max(1e-9, world.trace.seconds());
@@ -175,9 +184,6 @@ Result<MethodResult> run_farfield(const World& world, const std::string& rendere
   settings.finest_side_m = finest_side_for(*world.scene, settings.finest_side_m);
   const ImpostorSources sources = make_impostor_sources(world.scene, settings);
   result.error.warp_px_p99 = warp_error_p99(world, sources, settings, renderer == "gl");
-  const SkipCounters& skips = sources.tiles->skips();
-  result.skipped["delta_blocks_not_cast"] = static_cast<double>(skips.blocks_probed - skips.blocks_cast);
-  result.skipped["delta_samples_held"] = static_cast<double>(skips.samples_held);
   return result;
 }
 

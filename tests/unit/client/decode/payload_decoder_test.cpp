@@ -50,12 +50,12 @@ TEST(PayloadDecoder, MakesOnlyTheFormAskedFor) {
     return decoder_giving(wall_tile(cell), form).decode(payload_of(PayloadKind::kTile, {1}))->tile;
   };
   EXPECT_EQ(decode(DecodeForm::kMesh)->splats.size(), 0u);
-  EXPECT_FALSE(decode(DecodeForm::kMesh)->mesh.indices.empty());
+  EXPECT_FALSE(decode(DecodeForm::kMesh)->mesh.is_empty());
   EXPECT_GT(decode(DecodeForm::kSplats)->splats.size(), 0u);
-  EXPECT_TRUE(decode(DecodeForm::kSplats)->mesh.indices.empty());
+  EXPECT_TRUE(decode(DecodeForm::kSplats)->mesh.is_empty());
   const auto both = decode(DecodeForm::kBoth);
   EXPECT_GT(both->splats.size(), 0u);
-  EXPECT_FALSE(both->mesh.indices.empty());
+  EXPECT_FALSE(both->mesh.is_empty());
   EXPECT_GT(both->memory_bytes, decode(DecodeForm::kMesh)->memory_bytes);
 }
 

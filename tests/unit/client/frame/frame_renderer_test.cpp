@@ -41,7 +41,7 @@ std::shared_ptr<DecodedTile> wall_tile(double half_width, IsHole is_hole, std::u
   }
   auto decoded = std::make_shared<DecodedTile>();
   decoded->id = tile.id, decoded->serial = serial, decoded->side_m = kSide;
-  decoded->mesh = build_depth_mesh(tile, 0);
+  decoded->mesh = PackedMesh(build_depth_mesh(tile, 0));
   decoded->splats = build_splats(tile);
   return decoded;
 }

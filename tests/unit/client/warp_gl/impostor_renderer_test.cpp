@@ -53,8 +53,15 @@ std::shared_ptr<DecodedTile> decoded(const Tile& tile, const glm::dvec3& positio
   auto result = std::make_shared<DecodedTile>();
   result->id = tile.id, result->serial = serial;
   result->view_position = position, result->side_m = kSide;
-  result->mesh = build_depth_mesh(tile, tolerance);
+  result->mesh = PackedMesh(build_depth_mesh(tile, tolerance));
   return result;
+}
+
+template <class Change>
+void change_mesh(DecodedTile& tile, Change change) {
+  DepthMesh mesh = tile.mesh.unpack();
+  change(mesh);
+  tile.mesh = PackedMesh(mesh);
 }
 
 class ImpostorRendererTest : public testing::Test {
@@ -228,9 +235,11 @@ TEST_F(ImpostorRendererTest, EvictsWhatNoFrameWantsBeforeANewSetTakesItsPlace) {
     leaf_.tiles.clear();
     for (int k = 0; k < 4; ++k) {
       auto tile = decoded(room_tile(kCentre, 5, 1, 0, 0), kCentre, 0, ++serial_);
-      tile->mesh.width = 32 * (4 * set + k + 5);
-      tile->mesh.rgb.assign(3u * static_cast<std::size_t>(tile->mesh.width * tile->mesh.height), 100);
-      tile->mesh.cuts.assign(tile->mesh.rgb.size() / 3, 0);
+      change_mesh(*tile, [&](DepthMesh& mesh) {
+        mesh.width = 32 * (4 * set + k + 5);
+        mesh.rgb.assign(3u * static_cast<std::size_t>(mesh.width * mesh.height), 100);
+        mesh.cuts.assign(mesh.rgb.size() / 3, 0);
+      });
       leaf_.tiles.push_back(tile);
     }
     EXPECT_TRUE(renderer_->upload(leaf_).is_complete);
@@ -279,9 +288,9 @@ TEST_F(ImpostorRendererTest, SurfacesKeepTheirColourUpToWhereTheyEnd) {
 
 TEST_F(ImpostorRendererTest, MeshesThatLieAreRefused) {
   auto bad_index = decoded(room_tile(kCentre, 5, 1, 0, 0), kCentre, 0, 1);
-  bad_index->mesh.indices[7] = 1u << 30;
+  change_mesh(*bad_index, [](DepthMesh& mesh) { mesh.indices[7] = 1u << 30; });
   auto bad_texture = decoded(room_tile(kCentre, 5, 1, 0, 0), kCentre, 0, 2);
-  bad_texture->mesh.rgb.resize(17);
+  change_mesh(*bad_texture, [](DepthMesh& mesh) { mesh.rgb.resize(17); });
   leaf_.tiles = {bad_index, bad_texture};
   const auto upload = renderer_->upload(leaf_);
   EXPECT_EQ(upload.refused_tiles, 2u);

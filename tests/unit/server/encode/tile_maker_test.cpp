@@ -157,7 +157,7 @@ TEST(TileMaker, ATileOfAnEmptyShellHasNoBytes) {
     EXPECT_TRUE((*tile)->bytes->empty());
     EXPECT_EQ((*tile)->covered_samples, 0u);
   }
-  EXPECT_EQ(made.tiles->skips().tiles_empty.load(), 6u);
+  EXPECT_EQ(made.tiles->skips().empty_tiles, 6u);
 }
 
 TEST(FinestSide, IsAPowerOfTwoAndFitsSmallScenes) {
