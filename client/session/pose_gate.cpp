@@ -25,25 +25,25 @@ PoseGate::PoseGate(const CellGrid& grid, double kappa, const Display& display, d
       smallest_turn_rad_(display.pixel_pitch()),
       interval_s_(1.0 / poses_per_second) {}
 
-bool PoseGate::differs(const Pose& pose, bool wants_fallback) const {
+bool PoseGate::differs(const Pose& pose, Lacks lacks) const {
   return glm::distance(pose.position, last_->pose.position) > smallest_move_m_ ||
          turn_between(pose.world_from_camera, last_->pose.world_from_camera) > smallest_turn_rad_ ||
          grid_.cell_at(pose.position, 0) != grid_.cell_at(last_->pose.position, 0) ||
-         (wants_fallback && !last_->wants_fallback);
+         (lacks.usable_view && !last_->lacks.usable_view) || (!lacks.leaf_set && last_->lacks.leaf_set);
 }
 
-PoseGate::Decision PoseGate::decide(const Pose& pose, bool wants_fallback, double now_s) const {
+PoseGate::Decision PoseGate::decide(const Pose& pose, Lacks lacks, double now_s) const {
   if (!last_) return {true, {}};
-  const bool is_moving = differs(pose, wants_fallback);
+  const bool is_moving = differs(pose, lacks);
   if (!is_moving && last_->is_rest) return {};
   const double due_s = last_->time_s + (is_moving ? interval_s_ : std::max(interval_s_, kRestAfterSeconds));
   if (now_s >= due_s) return {true, {}};
   return {false, due_s - now_s};
 }
 
-void PoseGate::note_sent(const Pose& pose, bool wants_fallback, double now_s) {
-  const bool is_rest = last_ && !differs(pose, wants_fallback);
-  last_ = Sent{pose, wants_fallback, now_s, is_rest};
+void PoseGate::note_sent(const Pose& pose, Lacks lacks, double now_s) {
+  const bool is_rest = last_ && !differs(pose, lacks);
+  last_ = Sent{pose, lacks, now_s, is_rest};
 }
 
 }  // namespace farfield::client

@@ -24,20 +24,25 @@ class PoseGate {
   /// `kappa`: margin of the near region in sides. Requires: poses_per_second > 0.
   PoseGate(const CellGrid& grid, double kappa, const Display& display, double poses_per_second);
 
+  /// What the screen lacks at a pose. A usable view that has gone is news to the server, and a leaf set that has come.
+  struct Lacks {
+    bool usable_view = false;
+    bool leaf_set = false;  // the complete one of the eye's leaf
+  };
   /// `pose` in the scene frame. `now_s`: any steady clock.
-  Decision decide(const Pose& pose, bool wants_fallback, double now_s) const;
-  void note_sent(const Pose& pose, bool wants_fallback, double now_s);
+  Decision decide(const Pose& pose, Lacks lacks, double now_s) const;
+  void note_sent(const Pose& pose, Lacks lacks, double now_s);
   /// The next pose is sent whatever it is: the server knows none.
   void reset() { last_.reset(); }
 
  private:
   struct Sent {
     Pose pose;
-    bool wants_fallback = false;
+    Lacks lacks;
     double time_s = 0;
     bool is_rest = false;  // sent because the movement ended
   };
-  bool differs(const Pose& pose, bool wants_fallback) const;
+  bool differs(const Pose& pose, Lacks lacks) const;
 
   CellGrid grid_;
   double smallest_move_m_;

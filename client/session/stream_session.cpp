@@ -117,16 +117,18 @@ void StreamSession::send_pose_if_due() {
     newest = board_.pose;
   }
   if (!newest || !gate_ || !link_->is_streaming()) return;
-  const bool wants_fallback = options_.use_fallback && !sets_->has_usable_view();
-  const PoseGate::Decision decision = gate_->decide(newest->pose, wants_fallback, seconds_now());
+  const PoseGate::Lacks lacks{options_.use_fallback && !sets_->has_usable_view(),
+                              is_late(sets_->view().get(), position_on_wire(scene_->frame.grid, newest->pose.position))};
+  const PoseGate::Decision decision = gate_->decide(newest->pose, lacks, seconds_now());
   if (decision.should_send) {
     wire::Pose message;
     fill_pose(scene_->frame.grid, newest->pose, message);
     message.set_time_s(newest->time_s);
     message.set_sequence(++poses_sent_);
-    message.set_wants_fallback(wants_fallback);
+    message.set_wants_fallback(lacks.usable_view);
+    message.set_awaits_leaf_set(lacks.leaf_set);
     link_->send(make_message(MessageType::kPose, message));
-    gate_->note_sent(newest->pose, wants_fallback, seconds_now());
+    gate_->note_sent(newest->pose, lacks, seconds_now());
     ++figures_.poses;
     note_figures();
     send_pose_if_due();  // arms the timer for the pose that says the movement has ended
@@ -145,6 +147,7 @@ void StreamSession::after_change() {
   const bool may_refine = Clock::now() - last_publish_ >= options_.refresh_interval || decoding_.empty();
   if (sets_->update(may_refine)) {
     publish();
+    send_pose_if_due();  // the server may send ahead once it knows that the eye's leaf set is here
   } else if (sets_->needs_refinement()) {
     refresh_later();
   }

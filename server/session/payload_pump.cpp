@@ -73,7 +73,7 @@ void PayloadPump::announce(LeafStream& stream) {
 
 bool PayloadPump::has_spare_capacity() const {
   const auto is_done = [](const auto& stream) { return stream->is_prefetch() || stream->is_complete; };
-  return current_ && pending_.size() == pending_prefetch_ && std::all_of(streams_.begin(), streams_.end(), is_done);
+  return current_ && !is_awaited_ && pending_.size() == pending_prefetch_ && std::all_of(streams_.begin(), streams_.end(), is_done);
 }
 
 // Of the streams of leaves now left, keeps the one that is nearest to complete, if it is worth finishing.
@@ -180,6 +180,10 @@ void PayloadPump::keep_prefetch(const std::function<bool(const CellId&)>& is_ahe
   drop_requests([&](ContentHash, const Pending& p) { return p.is_prefetch && dropped.contains(p.stream); });
   withdraw_queued(Lane::kPrefetch);
   pump();
+}
+
+void PayloadPump::note_awaiting(bool is_awaiting) {
+  if (std::exchange(is_awaited_, is_awaiting) && !is_awaiting) pump();
 }
 
 void PayloadPump::note_evicted(const std::vector<ContentHash>& keys) {

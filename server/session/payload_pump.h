@@ -57,6 +57,8 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   void prefetch(std::shared_ptr<const LeafPlan> plan, double seconds_until_needed);
   /// Drops prefetched leaves for which `is_ahead` is false: those that were sent, or with `is_new_way` all.
   void keep_prefetch(const std::function<bool(const CellId&)>& is_ahead, bool is_new_way);
+  /// Whether the client still waits for its leaf set, as far as it has told: then nothing is sent ahead of need.
+  void note_awaiting(bool is_awaiting);
   void note_held(ContentHash key) { held_.insert(key); }
   void note_evicted(const std::vector<ContentHash>& keys);
 
@@ -127,6 +129,7 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   std::unordered_set<ContentHash> failed_;
   std::size_t pending_prefetch_ = 0;
   std::function<void()> on_spare_;
+  bool is_awaited_ = false;
   bool was_spare_ = false;
   bool is_stopped_ = false;
   bool is_pumping_ = false;

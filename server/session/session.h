@@ -89,6 +89,7 @@ class Session : public std::enable_shared_from_this<Session> {
     double time_s = 0;
     std::uint64_t sequence = 0;
     bool wants_fallback = false;
+    bool awaits_leaf_set = false;
     bool is_taken = false;
   };
   std::optional<NewestPose> pose_;

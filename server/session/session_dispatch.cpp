@@ -156,7 +156,7 @@ Status Session::handle_pose(const IncomingFrame& frame) {
   // Not taken yet: only the newest matters.
   if (pose_ && !pose_->is_taken) ++world_.metrics.poses_dropped;
   const bool wants_fallback = message->wants_fallback() || (pose_ && !pose_->is_taken && pose_->wants_fallback);
-  pose_ = NewestPose{*pose, message->time_s(), message->sequence(), wants_fallback, false};
+  pose_ = NewestPose{*pose, message->time_s(), message->sequence(), wants_fallback, message->awaits_leaf_set(), false};
   const auto now = Clock::now();
   if (pose_rate_.take(now)) {
     take_pose();
@@ -168,6 +168,7 @@ Status Session::handle_pose(const IncomingFrame& frame) {
 
 void Session::take_pose() {
   pose_->is_taken = true;
+  pump_->note_awaiting(pose_->awaits_leaf_set);
   tracker_->move(pose_->pose, pose_->time_s, pose_->wants_fallback);
 }
 

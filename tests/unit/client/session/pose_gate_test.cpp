@@ -12,9 +12,9 @@ namespace {
 class PoseGateTest : public ::testing::Test {
  protected:
   Pose at(double x) const { return {{x, 0.25, 0.25}, {1, 0, 0, 0}}; }
-  bool offer(const Pose& pose, double time_s, bool wants_fallback = false) {
-    const bool sends = gate.decide(pose, wants_fallback, time_s).should_send;
-    if (sends) gate.note_sent(pose, wants_fallback, time_s);
+  bool offer(const Pose& pose, double time_s, PoseGate::Lacks lacks = {}) {
+    const bool sends = gate.decide(pose, lacks, time_s).should_send;
+    if (sends) gate.note_sent(pose, lacks, time_s);
     return sends;
   }
   PoseGate gate{CellGrid{0.5}, 2.0, Display{}, 60};
@@ -31,10 +31,10 @@ TEST_F(PoseGateTest, OneMorePoseEndsAMovementThenSilence) {
   EXPECT_TRUE(offer(at(0.1), 0.0));
   EXPECT_TRUE(offer(at(0.2), 0.05));
   EXPECT_FALSE(offer(at(0.2), 0.10));
-  EXPECT_NEAR(*gate.decide(at(0.2), false, 0.10).ask_again_in_s, 0.05, 1e-9);
+  EXPECT_NEAR(*gate.decide(at(0.2), {}, 0.10).ask_again_in_s, 0.05, 1e-9);
   EXPECT_TRUE(offer(at(0.2), 0.16));
   for (double t = 0.2; t < 100; t += 0.5) EXPECT_FALSE(offer(at(0.2), t));
-  EXPECT_FALSE(gate.decide(at(0.2), false, 200).ask_again_in_s.has_value());
+  EXPECT_FALSE(gate.decide(at(0.2), {}, 200).ask_again_in_s.has_value());
 }
 
 TEST_F(PoseGateTest, TinyMovesAddUpAndBordersAlwaysCount) {
@@ -47,6 +47,15 @@ TEST_F(PoseGateTest, TinyMovesAddUpAndBordersAlwaysCount) {
   for (int i = 0; i < 100; ++i) sent += offer(at(0.5 + 1e-5 * i), 5 + i);
   EXPECT_GT(sent, 3);
   EXPECT_LT(sent, 30);
+}
+
+TEST_F(PoseGateTest, ALeafSetThatHasComeIsToldOnce) {
+  EXPECT_TRUE(offer(at(0.1), 0, {.leaf_set = true}));
+  EXPECT_TRUE(offer(at(0.1), 1, {.leaf_set = true})) << "the end of a movement";
+  EXPECT_FALSE(offer(at(0.1), 2, {.leaf_set = true}));
+  EXPECT_TRUE(offer(at(0.1), 3));
+  EXPECT_TRUE(offer(at(0.1), 4)) << "the end of a movement";
+  for (double t = 5; t < 100; t += 0.5) EXPECT_FALSE(offer(at(0.1), t));
 }
 
 TEST_F(PoseGateTest, TurningCounts) {
@@ -62,7 +71,7 @@ TEST_F(PoseGateTest, TurningCounts) {
 TEST_F(PoseGateTest, WantingTheFallbackIsSentWhileStandingStill) {
   offer(at(0.1), 0);
   offer(at(0.1), 1);
-  EXPECT_TRUE(offer(at(0.1), 2, true));
+  EXPECT_TRUE(offer(at(0.1), 2, {.usable_view = true}));
 }
 
 TEST(Backoff, DoublesWithJitterUpToFiveSecondsAndStartsAnew) {

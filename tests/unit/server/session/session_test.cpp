@@ -342,6 +342,21 @@ TEST_F(SessionTest, TheFallbackViewNeedsNoLeaf) {
   EXPECT_NE(client.sets[1].leaf().x(), client.sets[0].leaf().x());
 }
 
+TEST_F(SessionTest, NothingIsPrefetchedForAClientThatStillDecodesItsLeafSet) {
+  serve();
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  client.awaits_leaf_set = true;
+  for (int i = 0; i < 20; ++i) client.move_to({0.1 + 0.05 * i, 1, 1}, i / 30.0);
+  ASSERT_TRUE(client.wait_complete(1));
+  client.idle(50ms);
+  EXPECT_EQ(service->prefetch_requests(), 0);
+  client.awaits_leaf_set = false;
+  client.move_to({1.1, 1, 1}, 20 / 30.0);
+  ASSERT_TRUE(client.wait([&] { return client.sets.size() >= 2; }));
+  EXPECT_FALSE(client.sets[1].is_current());
+}
+
 TEST_F(SessionTest, WalkingOnPrefetchesTheLeavesAhead) {
   serve();
   TestClient client(server->endpoint());

@@ -61,6 +61,7 @@ class TestClient {
     pose.set_time_s(time_s);
     pose.set_sequence(++poses);
     pose.set_wants_fallback(wants_fallback);
+    pose.set_awaits_leaf_set(awaits_leaf_set);
     send(MessageType::kPose, pose);
   }
   void cut() { connection->close({ErrorCode::kCancelled, "cut"}); }
@@ -93,6 +94,7 @@ class TestClient {
   std::vector<std::pair<std::uint16_t, ContentHash>> order;  // message type and key, as they came
   std::set<ContentHash> empty_tiles;
   std::uint64_t poses = 0, frames = 0, pongs = 0;
+  bool awaits_leaf_set = false;  // what its poses say
 
  private:
   template <class Message>
