@@ -66,6 +66,7 @@ Status connect(Parts& parts) {
   client.program = "farfield-client " FARFIELD_VERSION;
   client.display = options.display;
   client.form = parts.renderer == Renderer::kCpu ? DecodeForm::kSplats : DecodeForm::kMesh;
+  client.use_fallback = !options.is_lockstep;  // where every frame waits for its leaf set nothing else is ever shown
   client.store_bytes = store_bytes(options.memory_bytes, parts.renderer, parts.is_software);
   parts.core = std::make_unique<ClientCore>(client);
   parts.core->start();

@@ -177,6 +177,7 @@ int run_client_role(const ClientRole& role) {
   options.server = *endpoint;
   options.program = "farfield-bench";
   options.display = role.display;
+  options.use_fallback = role.mode != "lockstep";  // where every frame waits for its leaf set nothing else is ever shown
   options.form = role.renderer == "gl" ? client::DecodeForm::kMesh : client::DecodeForm::kSplats;
   client::FrameOptions frame_options;
   frame_options.samples_per_pixel = role.samples;
