@@ -104,7 +104,9 @@ Result<nlohmann::json> run_client(const World& world, const ClientRun& run, Cast
   int status = 0;
   waitpid(child->id, &status, 0);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    return fail(ErrorCode::kUnavailable, "{} {}: the client failed (its own line says why)", run.renderer, run.mode);
+    const bool has_said_why = text.starts_with(kFailed);
+    return fail(ErrorCode::kUnavailable, "{} {}: the client failed: {}", run.renderer, run.mode,
+                has_said_why ? text.substr(kFailed.size()) : fmt::format("it ended with status {:#x}", status));
   }
   nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (json.is_discarded()) return fail(ErrorCode::kBadData, "the client's report is not JSON");

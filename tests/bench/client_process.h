@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "common/net/endpoint.h"
 #include "server/schedule/worker_pool.h"
@@ -15,6 +16,8 @@ namespace farfield::bench {
 inline constexpr const char* kQuiet = "quiet";
 inline constexpr const char* kIsQuiet = "is quiet";
 inline constexpr const char* kGoOn = "go on";
+/// The client's last line if it fails: this, and why.
+inline constexpr std::string_view kFailed = "failed: ";
 
 struct ClientRun {
   Endpoint endpoint;
@@ -23,7 +26,7 @@ struct ClientRun {
 };
 
 /// Starts this program again as a client and waits for it. `pool` pauses while the client asks for quiet.
-/// Returns: the JSON object that is the last line it prints. Errors: kUnavailable after the client's own line on stderr.
+/// Returns: the JSON object that is the last line it prints. Errors: kUnavailable, with what the client said.
 Result<nlohmann::json> run_client(const World& world, const ClientRun& run, CastPool& pool);
 
 }  // namespace farfield::bench

@@ -165,7 +165,7 @@ nlohmann::json to_json(const Walk& walk, const client::ClientStatistics& s) {
 int run_client_role(const ClientRole& role) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // it never outlives the measurement
   const auto complain = [](const Error& error) {
-    farfield::complain(std::cerr, "farfield-bench", "client: " + error.message);
+    std::cout << kFailed << one_line(error.message) << std::endl;  // farfield-bench says it, in its own one line
     return 1;
   };
   const Result<Trace> trace = read_trace(role.trace);

@@ -143,6 +143,15 @@ TEST_F(TileMakerTest, TheFallbackViewShowsEverythingBeyondItsNearRegion) {
   EXPECT_GT(nearer, 0u) << "the pillars";
 }
 
+TEST_F(TileMakerTest, CountsWhatItLeftOut) {
+  const ImpostorSources made = sources();
+  EXPECT_EQ(made.tiles->skips().hidden_samples, 0u);
+  make_all(*made.tiles, some_tiles(made));
+  const TileSkips skips = made.tiles->skips();
+  EXPECT_GT(skips.delta_blocks_not_cast, 0u);
+  EXPECT_GT(skips.delta_samples_held, 0u);
+}
+
 TEST(TileMaker, ATileOfAnEmptyShellHasNoBytes) {
   const PlacedScene placed = test::Blocks().quad({5, -40, -40}, {0, 0, 80}, {0, 80, 0}, {150, 160, 170, 255}).build();
   const ImpostorSources made = make_impostor_sources(placed.scene, small_settings());
