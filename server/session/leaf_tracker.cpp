@@ -135,7 +135,7 @@ void LeafTracker::receive_demanded(std::uint64_t number, LeafAnswer plan) {
     if (is_where_viewer_is) demanded_.clear();
     events_.on_enter(std::move(*plan));
   }
-  if (!is_where_viewer_is) demand();  // who stopped meanwhile sends no pose that would
+  if (!is_where_viewer_is && !is_stopped_) demand();  // who stopped meanwhile sends no pose that would
 }
 
 void LeafTracker::look_ahead(double time_s) {

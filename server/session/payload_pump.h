@@ -41,7 +41,7 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   };
   PayloadPump(Parts parts, std::uint64_t first_serial);
 
-  /// How much a fallback view goes before everything else that somebody waits for: it takes a tenth of the time.
+  /// How much a fallback view goes before everything else that somebody waits for: it is little work, and shown at once.
   static constexpr double kFallbackOverdue_s = 4.0;
 
   /// Called whenever has_spare_capacity() has become true.
