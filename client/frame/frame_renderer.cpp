@@ -140,8 +140,8 @@ void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Fram
 
 std::size_t store_bytes(std::size_t memory_bytes, Renderer renderer, bool is_software) {
   if (renderer == Renderer::kCpu || !is_software) return memory_bytes;
-  // The pages in use stay even beyond their budget, and the multisampled frame buffers stand beside them: in a plant of
-  // 12.5 million triangles at 1280×720 together 1.6 budgets.
+  // More than the budget: pages in use stay even beyond it, in a dense plant a third, and the multisampled frame buffers
+  // stand beside them.
   return memory_bytes - std::min(memory_bytes * 3 / 5, FrameOptions().impostors.budget_bytes * 8 / 5);
 }
 

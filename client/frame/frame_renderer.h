@@ -37,7 +37,7 @@ struct FrameOptions {
 };
 
 /// What a bound on main memory leaves for the client's store: without a GPU, what OpenGL holds is in main memory too, and
-/// is taken from it, up to half of the bound or a little more.
+/// is taken from it, up to three fifths of the bound.
 std::size_t store_bytes(std::size_t memory_bytes, Renderer renderer, bool is_software);
 
 /// Milliseconds by part; each part ends with its results in memory.

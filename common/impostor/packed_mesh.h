@@ -11,15 +11,16 @@
 
 namespace farfield {
 
-/// Immutable. zstd: delta tiles are mostly gaps, and meshes repeat themselves.
+/// Immutable. zstd: delta tiles are mostly gaps, and meshes repeat themselves. A third of the bytes, in streets and among
+/// statues.
 class PackedMesh {
  public:
   PackedMesh() = default;  // of an empty mesh
-  /// About 400 MB/s.
+  /// 0.2 GB/s of the unpacked bytes, measured on tiles of generated scenes.
   explicit PackedMesh(const DepthMesh& mesh);
 
   bool is_empty() const { return sizes_.indices == 0; }  // nothing to draw
-  /// The same mesh, bit for bit. Above 1 GB/s.
+  /// The same mesh, bit for bit. 0.5 GB/s.
   DepthMesh unpack() const;
   /// Of the mesh unpacked, what is uploaded: texels with their cuts, vertices and indices.
   std::size_t unpacked_bytes() const;
