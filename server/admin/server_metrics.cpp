@@ -72,33 +72,21 @@ void write_metrics(PrometheusText& out, std::span<const std::shared_ptr<Measured
   const auto per_scene = [&](auto write) {
     for (std::size_t i = 0; i < all.size(); ++i) write(all[i], MetricLabel{"scene", services[i]->scene().name});
   };
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.counter("farfield_tile_flights_total", "Tiles begun to be made.", number(s.tile_flights.begun), scene);
-  });
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.counter("farfield_tile_flights_shared_total", "Requests that joined work already under way.", number(s.tile_flights.shared), scene);
-  });
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.counter("farfield_tile_flights_cancelled_total", "Tiles given up: nobody wanted them any more.", number(s.tile_flights.cancelled), scene);
-  });
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.counter("farfield_leaf_plans_total", "Leaf plans begun to be made.", number(s.plan_flights.begun), scene);
-  });
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.counter("farfield_tiles_empty_total", "Tiles that held nothing and were not sent.", number(s.skipped.empty_tiles), scene);
-  });
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.counter("farfield_samples_hidden_total", "Samples not cast: nobody in their leaf can see them.", number(s.skipped.hidden_samples), scene);
-  });
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.counter("farfield_delta_blocks_not_cast_total", "Blocks of delta views not cast: earlier views hold them.", number(s.skipped.delta_blocks_not_cast), scene);
-  });
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.counter("farfield_delta_samples_held_total", "Samples of delta views not kept: earlier views hold them.", number(s.skipped.delta_samples_held), scene);
-  });
-  per_scene([&](const auto& s, MetricLabel scene) {
-    out.histogram("farfield_tile_seconds", "Thread seconds per tile made.", s.tile_seconds, scene);
-  });
+  const auto count = [&](std::string_view name, std::string_view help, auto value_of) {
+    per_scene([&](const CellServiceStatistics& s, MetricLabel scene) { out.counter(name, help, number(value_of(s)), scene); });
+  };
+  using Statistics = const CellServiceStatistics&;
+  count("farfield_tile_flights_total", "Tiles begun to be made.", [](Statistics s) { return s.tile_flights.begun; });
+  count("farfield_tile_flights_shared_total", "Requests that joined work already under way.", [](Statistics s) { return s.tile_flights.shared; });
+  count("farfield_tile_flights_cancelled_total", "Tiles given up: nobody wanted them any more.", [](Statistics s) { return s.tile_flights.cancelled; });
+  count("farfield_leaf_plans_total", "Leaf plans begun to be made.", [](Statistics s) { return s.plan_flights.begun; });
+  count("farfield_tiles_empty_total", "Tiles that held nothing and were not sent.", [](Statistics s) { return s.skipped.empty_tiles; });
+  count("farfield_samples_hidden_total", "Samples not cast: nobody in their leaf can see them.", [](Statistics s) { return s.skipped.hidden_samples; });
+  count("farfield_delta_blocks_not_cast_total", "Blocks of delta views not cast: earlier views hold them.",
+        [](Statistics s) { return s.skipped.delta_blocks_not_cast; });
+  count("farfield_delta_samples_held_total", "Samples of delta views not kept: earlier views hold them.",
+        [](Statistics s) { return s.skipped.delta_samples_held; });
+  per_scene([&](Statistics s, MetricLabel scene) { out.histogram("farfield_tile_seconds", "Thread seconds per tile made.", s.tile_seconds, scene); });
 }
 
 void write_process_metrics(PrometheusText& out) {
