@@ -11,7 +11,7 @@ namespace {
 
 /// What a fallback view is worth: as much as a whole set seen from this many sides outside its leaf. A set's near
 /// geometry is exact for kappa sides around its leaf, and from there its shells begin; a fallback view is made for one
-/// point, at a quarter of the samples, of everything beyond the leaf's walls.
+/// point, at a quarter of the samples, of everything more than a side away from its cell.
 constexpr double kFallbackSides = 1.5;
 
 /// How much nearer another set has to be to take the screen: a walk along a border does not switch to and fro.

@@ -48,7 +48,7 @@ class LeafSource {
   /// Requires: `leaf` came from leaf_at. Errors: kCancelled.
   virtual Result<std::shared_ptr<const LeafPlan>> plan(const CellId& leaf, const CancelFlag& cancel) = 0;
   /// The fallback view for a viewpoint: everything beyond a cell's fallback_region(), and the geometry in it. Needs no leaf:
-  /// some ten thousand rays, a few milliseconds.
+  /// some six thousand rays.
   virtual std::shared_ptr<const LeafPlan> fallback(const glm::dvec3& viewpoint) = 0;
 };
 
