@@ -200,7 +200,7 @@ FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Po
     const auto upload = s.impostors->upload(*leaf, s.options.frame_upload_bytes);
     report.times.impostors_ms = lap();
     // A fuller version of what is drawn already is better even while it is being uploaded.
-    const bool is_refinement = s.drawn && s.drawn->leaf == leaf->leaf && s.drawn->is_fallback == leaf->is_fallback;
+    const bool is_refinement = s.drawn && s.drawn->is_same_set(*leaf);
     if (!upload.is_complete && s.drawn && !is_refinement) {
       report.is_previous_leaf = true;
       leaf = s.drawn;

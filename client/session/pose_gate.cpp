@@ -29,7 +29,7 @@ bool PoseGate::differs(const Pose& pose, Lacks lacks) const {
   return glm::distance(pose.position, last_->pose.position) > smallest_move_m_ ||
          turn_between(pose.world_from_camera, last_->pose.world_from_camera) > smallest_turn_rad_ ||
          grid_.cell_at(pose.position, 0) != grid_.cell_at(last_->pose.position, 0) ||
-         (lacks.usable_view && !last_->lacks.usable_view) || (!lacks.leaf_set && last_->lacks.leaf_set);
+         (lacks.usable_view && !last_->lacks.usable_view) || lacks.leaf_set != last_->lacks.leaf_set;
 }
 
 PoseGate::Decision PoseGate::decide(const Pose& pose, Lacks lacks, double now_s) const {

@@ -24,7 +24,8 @@ class PoseGate {
   /// `kappa`: margin of the near region in sides. Requires: poses_per_second > 0.
   PoseGate(const CellGrid& grid, double kappa, const Display& display, double poses_per_second);
 
-  /// What the screen lacks at a pose. A usable view that has gone is news to the server, and a leaf set that has come.
+  /// What the screen lacks at a pose. A usable view that has gone is news to the server, and a leaf set that has
+  /// come, or been left through the border of an enclosure, which may take but a small step.
   struct Lacks {
     bool usable_view = false;
     bool leaf_set = false;  // the complete one of the eye's leaf

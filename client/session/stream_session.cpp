@@ -173,7 +173,7 @@ void StreamSession::publish() {
     figures_.entry_seconds = to_seconds(Clock::now() - started_);
   }
   // Only this thread writes the board's view, so reading it needs no lock.
-  const bool is_same = board_.view && board_.view->leaf == view->leaf && board_.view->is_fallback == view->is_fallback;
+  const bool is_same = board_.view && board_.view->is_same_set(*view);
   if (!is_same) ++figures_.switches;
   note_figures();  // before the view: whoever waits for it finds the figures that belong to it
   const bool settled = is_settled();

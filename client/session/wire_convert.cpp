@@ -72,7 +72,11 @@ Result<LeafSet> to_leaf_set(const wire::LeafSet& message) {
   if (!leaf) return tl::unexpected(leaf.error());
   const Result<CellId> root = to_cell(message.root());
   if (!root) return tl::unexpected(root.error());
+  Result<EnclosureMask> enclosure =
+      EnclosureMask::from_bytes({reinterpret_cast<const std::uint8_t*>(message.enclosure().data()), message.enclosure().size()});
+  if (!enclosure) return tl::unexpected(std::move(enclosure.error()));
   LeafSet set;
+  set.enclosure = std::move(*enclosure);
   set.serial = message.serial();
   set.leaf = *leaf;
   set.root = *root;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/impostor/direction_mask.h"
+#include "common/impostor/enclosure_mask.h"
 #include "common/base/hash.h"
 #include "common/cells/cell_id.h"
 
@@ -29,6 +30,7 @@ struct LeafSet {
   std::uint64_t serial = 0;
   CellId leaf;
   CellId root;
+  EnclosureMask enclosure;         // where in the leaf the set holds
   bool is_current = false;         // false: prefetched
   bool is_fallback = false;
   bool background_visible = true;

@@ -27,14 +27,14 @@ double distance_sides(const TrackedLeafSet& set, const glm::dvec3& eye) {
 }  // namespace
 
 bool is_late(const LeafView* view, const glm::dvec3& eye) {
-  return !view || view->is_fallback || !view->is_complete || !view->leaf_box.contains(eye);
+  return !view || view->is_fallback || !view->is_complete || !view->speaks_for(eye);
 }
 
 void LeafSets::announce(LeafSet set) {
   auto tracked = std::make_shared<TrackedLeafSet>(std::move(set), frame_, store_);
   // A newer list for the same leaf takes the place of the older one, unless that is on the screen.
   std::erase_if(sets_, [&](const Tracked& old) {
-    return old != shown_ && old->set().leaf == tracked->set().leaf && old->set().is_fallback == tracked->set().is_fallback;
+    return old != shown_ && old->is_same_as(*tracked);
   });
   sets_.push_back(std::move(tracked));
   assign_roles();
@@ -129,8 +129,9 @@ LeafSets::Tracked LeafSets::choose() const {
   double nearest_sides = std::numeric_limits<double>::infinity();
   for (const Tracked& set : sets_) {  // newest last, and the newest of equals wins
     if (!set->is_complete()) continue;
-    const bool is_inside = !set->set().is_fallback && set->box().contains(eye_);
-    const double sides = is_inside ? -kSwitchSides : distance_sides(*set, eye_) - (set == shown_ ? kSwitchSides : 0.0);
+    const bool is_inside = !set->set().is_fallback && set->speaks_for(eye_);
+    // What speaks for the eye comes before whatever does not, even if that is shown and no distance away.
+    const double sides = (is_inside ? -2 * kSwitchSides : distance_sides(*set, eye_)) - (set == shown_ ? kSwitchSides : 0.0);
     if (sides <= nearest_sides) nearest = set, nearest_sides = sides;
   }
   if (nearest) return nearest;
@@ -144,7 +145,7 @@ LeafSets::Tracked LeafSets::find_awaited() const {
   Tracked inside, newest;
   for (const Tracked& set : sets_) {
     if (set->set().is_fallback) continue;
-    if (has_eye_ && set->box().contains(eye_)) inside = set;
+    if (has_eye_ && set->speaks_for(eye_)) inside = set;
     if (set->set().is_current) newest = set;
   }
   return inside ? inside : newest;

@@ -9,6 +9,7 @@
 #include "common/cells/cell_id.h"
 #include "common/geometry/chunk.h"
 #include "common/impostor/direction_mask.h"
+#include "common/impostor/enclosure_mask.h"
 #include "common/impostor/packed_mesh.h"
 #include "common/impostor/splats.h"
 #include "common/impostor/tile.h"
@@ -50,6 +51,7 @@ struct PlacedChunk {
 struct LeafView {
   CellId leaf;
   Box leaf_box;                    // scene frame
+  EnclosureMask enclosure;         // where in the leaf the view holds
   Box near_region;                 // scene frame; chunks are cut here per fragment
   bool is_fallback = false;        // the fallback view: near_region is NestedShells::fallback_region()
   bool is_complete = false;
@@ -58,6 +60,13 @@ struct LeafView {
   glm::u8vec3 background{0};       // sRGB
   std::vector<std::shared_ptr<const DecodedTile>> tiles;
   std::vector<PlacedChunk> chunks;
+
+  /// Whether it shows all that can be seen from `eye` (scene frame), once complete.
+  bool speaks_for(const glm::dvec3& eye) const { return leaf_box.contains(eye) && enclosure.contains(leaf_box, eye); }
+  /// Another state of the same leaf set.
+  bool is_same_set(const LeafView& other) const {
+    return leaf == other.leaf && is_fallback == other.is_fallback && enclosure == other.enclosure;
+  }
 };
 
 }  // namespace farfield::client

@@ -7,6 +7,12 @@
 #include "common/cells/nested_shells.h"
 
 namespace farfield::client {
+namespace {
+
+constexpr double kBehindWallSides = 2.0;
+
+}  // namespace
+
 TrackedLeafSet::TrackedLeafSet(LeafSet set, const SceneFrame& frame, const PayloadStore& store)
     : set_(std::move(set)),
       box_(frame.grid.box(set_.leaf)),
@@ -25,7 +31,8 @@ TrackedLeafSet::TrackedLeafSet(LeafSet set, const SceneFrame& frame, const Paylo
 
 double TrackedLeafSet::sides_outside(const glm::dvec3& eye) const {
   const glm::dvec3 beyond = glm::max(box_.min - eye, eye - box_.max);
-  return std::max({beyond.x, beyond.y, beyond.z, 0.0}) / side_m_;
+  const double sides = std::max({beyond.x, beyond.y, beyond.z, 0.0}) / side_m_;
+  return set_.enclosure.is_near(box_, eye) ? sides : std::max(sides, kBehindWallSides);
 }
 
 void TrackedLeafSet::mark_arrived(ContentHash item) {
@@ -49,6 +56,7 @@ std::shared_ptr<const LeafView> TrackedLeafSet::view(const PayloadStore& store, 
   auto view = std::make_shared<LeafView>();
   view->leaf = set_.leaf;
   view->leaf_box = box_;
+  view->enclosure = set_.enclosure;
   view->near_region = box_.grown((set_.is_fallback ? NestedShells::kFallbackKappa : frame.kappa) * side_m_);
   view->is_fallback = set_.is_fallback;
   view->is_complete = is_complete();

@@ -21,7 +21,14 @@ class TrackedLeafSet {
   const LeafSet& set() const { return set_; }
   const Box& box() const { return box_; }
   double side_m() const { return side_m_; }
-  /// Largest distance of `eye` from the leaf's box along any axis, in sides; 0 inside.
+  /// Lists all that can be seen from `eye` (scene frame).
+  bool speaks_for(const glm::dvec3& eye) const { return box_.contains(eye) && set_.enclosure.contains(box_, eye); }
+  /// Lists what `other` lists, whenever the server announced it.
+  bool is_same_as(const TrackedLeafSet& other) const {
+    return set_.leaf == other.set_.leaf && set_.is_fallback == other.set_.is_fallback && set_.enclosure == other.set_.enclosure;
+  }
+  /// Largest distance of `eye` from the leaf's box along any axis, in sides; 0 inside. What lies behind a wall of the set's
+  /// enclosure counts as kBehindWallSides: its near geometry is that of another room.
   double sides_outside(const glm::dvec3& eye) const;
 
   /// Items (tiles, chunks, textures) it draws, unique, by ascending rank.

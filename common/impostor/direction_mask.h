@@ -37,6 +37,9 @@ class DirectionMask {
     const int bit = bit_of(direction);
     bits_[bit / 8] |= static_cast<std::uint8_t>(1u << (bit % 8));
   }
+  void insert(const DirectionMask& other) {
+    for (std::size_t i = 0; i < kBytes; ++i) bits_[i] |= other.bits_[i];
+  }
   bool contains(const glm::dvec3& direction) const {
     const int bit = bit_of(direction);
     return bits_[bit / 8] >> (bit % 8) & 1;

@@ -58,6 +58,7 @@ class CellTree {
   const std::shared_ptr<const Scene> scene_;
   const NestedShells shells_;
   const std::uint32_t near_triangles_;
+  const double voxel_m_;  // how closely enclosures follow walls: a person's eyes are not nearer to one, as a rule
   CellId scene_root_;
 
   std::mutex mutex_;  // guards everything below; never held while rays are cast

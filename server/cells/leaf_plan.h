@@ -11,6 +11,7 @@
 #include "common/base/result.h"
 #include "common/cells/cell_id.h"
 #include "common/impostor/direction_mask.h"
+#include "common/impostor/enclosure_mask.h"
 #include "common/impostor/tile_id.h"
 
 namespace farfield {
@@ -31,7 +32,29 @@ struct LeafPlan {
   bool background_visible = false;      // some ray from the leaf escapes the scene …
   DirectionMask sky;                    // … in these directions
   double seconds = 0;                   // thread seconds spent on visibility
+  EnclosureMask enclosure;              // where in the leaf a viewer may stand for this plan: as a rule anywhere
+  /// Where walls divide the leaf, what viewers need in each of its enclosures: a part of what this plan lists. Empty else.
+  std::vector<std::shared_ptr<const LeafPlan>> enclosures;
+
+  /// Whether it lists all that can be seen from `viewpoint` (scene frame).
+  bool speaks_for(const CellGrid& grid, const glm::dvec3& viewpoint) const {
+    const Box box = grid.box(leaf);
+    return box.contains(viewpoint) && enclosure.contains(box, viewpoint);
+  }
+  /// Lists the same, whenever it was made.
+  bool is_same_as(const LeafPlan& other) const {
+    return leaf == other.leaf && is_fallback == other.is_fallback && enclosure == other.enclosure;
+  }
 };
+
+using SharedPlan = std::shared_ptr<const LeafPlan>;
+
+/// Of a leaf's plan the part for `viewpoint`: that of its enclosure, or the whole.
+inline SharedPlan plan_at(const SharedPlan& whole, const CellGrid& grid, const glm::dvec3& viewpoint) {
+  for (const SharedPlan& part : whole->enclosures)
+    if (part->speaks_for(grid, viewpoint)) return part;
+  return whole;
+}
 
 /// Cooperative cancellation: set by whoever loses interest, polled by long work.
 using CancelFlag = std::shared_ptr<const std::atomic<bool>>;
@@ -45,7 +68,7 @@ class LeafSource {
   virtual ~LeafSource() = default;
   /// The leaf that holds a viewpoint (scene frame). Errors: kCancelled.
   virtual Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) = 0;
-  /// Requires: `leaf` came from leaf_at. Errors: kCancelled.
+  /// The plan of the whole leaf, with those of its enclosures. Requires: `leaf` came from leaf_at. Errors: kCancelled.
   virtual Result<std::shared_ptr<const LeafPlan>> plan(const CellId& leaf, const CancelFlag& cancel) = 0;
   /// The fallback view for a viewpoint: everything beyond a cell's fallback_region(), and the geometry in it. Needs no leaf:
   /// some six thousand rays.

@@ -27,11 +27,13 @@ TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, c
   return id;
 }
 
-// What one shell contributes: tiles seen, with the solid angle they cover (summed over viewpoints).
+// What one shell contributes: tiles seen, with the solid angle they cover (summed over viewpoints), by the enclosure
+// of who sees them.
 class ShellNeeds {
  public:
-  ShellNeeds(const Scene& scene, CellSpace space, std::shared_ptr<const ShellViews> views, const ImpostorSettings& settings)
-      : scene_(scene), space_(space), views_(std::move(views)), settings_(settings) {
+  ShellNeeds(const Scene& scene, CellSpace space, std::shared_ptr<const ShellViews> views, const ImpostorSettings& settings,
+             std::size_t enclosures)
+      : scene_(scene), space_(space), views_(std::move(views)), settings_(settings), seen_(enclosures + 1) {
     slack_ = disparity_tolerance(glm::dvec3(0), settings.kappa, settings.tau_px, settings.display) * (0.5 + settings.kappa);
   }
 
@@ -39,10 +41,26 @@ class ShellNeeds {
     mark(kIntraView, hit);
     if (views_->positions.size() > 1) waiting_.push_back(hit);
   }
-  void finish(std::vector<NeededTile>& tiles, double spheres) {
-    ask_delta_views();
+  /// Once, when all hits are added.
+  void ask_delta_views() {
+    // Of each point the first view that holds it.
+    for (std::size_t view = 0; view < views_->positions.size() && !waiting_.empty(); ++view)
+      drop_held(scene_, space_, slack_, views_->positions[view], waiting_, [&](const FarHit& hit) {
+        if (view > 0) mark(static_cast<int>(view), hit);
+      });
+    waiting_.clear();
+  }
+  /// What `viewpoints` of one enclosure need, or (kWhole) all of them together.
+  static constexpr int kWhole = -1;
+  void list(int enclosure, std::size_t viewpoints, std::vector<NeededTile>& tiles) const {
+    std::map<TileId, double> seen;
+    for (std::size_t k = 0; k < seen_.size(); ++k)
+      if (enclosure == kWhole || static_cast<std::size_t>(enclosure) + 1 == k)
+        for (const auto& [id, solid_angle] : seen_[k]) seen[id] += solid_angle;
+    constexpr double kSphere = 4 * 3.14159265358979323846;
+    const double spheres = kSphere * static_cast<double>(std::max<std::size_t>(1, viewpoints));
     std::vector<NeededTile> mine;
-    for (const auto& [id, solid_angle] : seen_) mine.push_back({id, static_cast<float>(solid_angle / spheres)});
+    for (const auto& [id, solid_angle] : seen) mine.push_back({id, static_cast<float>(solid_angle / spheres)});
     std::stable_sort(mine.begin(), mine.end(), [](const NeededTile& a, const NeededTile& b) {
       if (a.id.is_delta() != b.id.is_delta()) return b.id.is_delta();
       return a.view_share > b.view_share;
@@ -55,15 +73,7 @@ class ShellNeeds {
   // be worth a tile.
   void mark(int view, const FarHit& hit) {
     const glm::dvec3 direction = glm::dvec3(hit.point) - views_->positions[view];
-    seen_[tile_towards(space_.cell, view, direction, settings_)] += hit.solid_angle;
-  }
-  // Of each point the first view that holds it.
-  void ask_delta_views() {
-    for (std::size_t view = 0; view < views_->positions.size() && !waiting_.empty(); ++view)
-      drop_held(scene_, space_, slack_, views_->positions[view], waiting_, [&](const FarHit& hit) {
-        if (view > 0) mark(static_cast<int>(view), hit);
-      });
-    waiting_.clear();
+    seen_[static_cast<std::size_t>(hit.enclosure + 1)][tile_towards(space_.cell, view, direction, settings_)] += hit.solid_angle;
   }
 
   const Scene& scene_;
@@ -72,7 +82,7 @@ class ShellNeeds {
   const ImpostorSettings& settings_;
   double slack_;
   std::vector<FarHit> waiting_;
-  std::map<TileId, double> seen_;
+  std::vector<std::map<TileId, double>> seen_;  // first from viewpoints in no enclosure
 };
 
 std::vector<NeededTile> fallback_tiles(const CellId& cell, const ImpostorSettings& settings) {
@@ -106,6 +116,15 @@ void LeafPlanner::sort_chunks(LeafPlan& plan) const {
     const double da = distance(a), db = distance(b);
     return da < db || (!(db < da) && a < b);
   });
+}
+
+void LeafPlanner::list_near(LeafPlan& plan, const Sight& sight) const {
+  plan.chunks = sight.near_chunks;
+  sort_chunks(plan);
+  plan.near_triangles = static_cast<std::uint32_t>(sight.near_triangles);
+  plan.exceeds_budget = sight.near_triangles > settings_.near_triangles;
+  plan.background_visible = sight.escapes;
+  plan.sky = sight.sky;
 }
 
 std::shared_ptr<const LeafPlan> LeafPlanner::fallback(const glm::dvec3& viewpoint) {
@@ -142,12 +161,7 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
   if (!leaf.is_within(plan->root)) plan->root = leaf.ancestor(std::max<int>(plan->root.level, leaf.level));
   // A leaf beside the scene's root: climb until one ancestor's near region holds the scene.
   while (plan->root.level < kMaxCellLevel && !shells_.near_region(plan->root).contains(scene_->bounds())) plan->root = plan->root.parent();
-  plan->chunks = seen.near_chunks;
-  sort_chunks(*plan);
-  plan->near_triangles = static_cast<std::uint32_t>(seen.near_triangles);
-  plan->exceeds_budget = seen.near_triangles > settings_.near_triangles;
-  plan->background_visible = seen.escapes;
-  plan->sky = seen.sky;
+  list_near(*plan, seen);
 
   std::vector<std::unique_ptr<ShellNeeds>> shells(plan->root.level + 1);
   for (const FarHit& hit : seen.far_hits) {
@@ -157,13 +171,27 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
       const CellId cell = leaf.ancestor(level);
       const auto views = catalogue_->views(cell, cancel);
       if (!views) return tl::unexpected(views.error());
-      shells[level] = std::make_unique<ShellNeeds>(*scene_, CellSpace::of_shell(shells_, cell, plan->root), *views, settings_);
+      shells[level] = std::make_unique<ShellNeeds>(*scene_, CellSpace::of_shell(shells_, cell, plan->root), *views, settings_,
+                                                   seen.enclosures.size());
     }
     shells[level]->add(hit);
   }
-  constexpr double kSphere = 4 * 3.14159265358979323846;
-  for (const auto& shell : shells)
-    if (shell) shell->finish(plan->tiles, kSphere * static_cast<double>(std::max<std::size_t>(1, seen.viewpoints)));
+  for (const auto& shell : shells) {
+    if (!shell) continue;
+    shell->ask_delta_views();
+    shell->list(ShellNeeds::kWhole, seen.viewpoints, plan->tiles);
+  }
+  for (std::size_t e = 0; e < seen.enclosures.size(); ++e) {
+    const EnclosureVisibility& here = seen.enclosures[e];
+    auto part = std::make_shared<LeafPlan>();
+    part->leaf = leaf;
+    part->root = plan->root;
+    part->enclosure = here.mask;
+    list_near(*part, here);
+    for (const auto& shell : shells)
+      if (shell) shell->list(static_cast<int>(e), here.viewpoints, part->tiles);
+    plan->enclosures.push_back(std::move(part));
+  }
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
   plan->seconds = thread_seconds() - start;
   return std::shared_ptr<const LeafPlan>(plan);

@@ -20,6 +20,7 @@ class LeafPlanner : public LeafSource {
  private:
   /// Nearest to the cell's centre first.
   void sort_chunks(LeafPlan& plan) const;
+  void list_near(LeafPlan& plan, const Sight& sight) const;
 
   const std::shared_ptr<const Scene> scene_;
   const std::shared_ptr<CellTree> tree_;

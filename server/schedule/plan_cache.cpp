@@ -7,7 +7,10 @@ namespace farfield {
 namespace {
 
 std::size_t plan_memory_bytes(const LeafPlan& plan) {
-  return sizeof(LeafPlan) + plan.tiles.capacity() * sizeof(NeededTile) + plan.chunks.capacity() * sizeof(std::uint32_t);
+  std::size_t bytes = sizeof(LeafPlan) + plan.tiles.capacity() * sizeof(NeededTile) + plan.chunks.capacity() * sizeof(std::uint32_t) +
+                      plan.enclosure.memory_bytes();
+  for (const SharedPlan& part : plan.enclosures) bytes += plan_memory_bytes(*part);
+  return bytes;
 }
 
 }  // namespace
@@ -20,7 +23,7 @@ SharedPlan PlanCache::find(const glm::dvec3& viewpoint) {
   for (;; cell = cell.parent()) {
     if (const SharedPlan* plan = plans_.find(cell)) {
       ++hits_;
-      return *plan;
+      return plan_at(*plan, grid_, viewpoint);
     }
     if (cell.level >= kMaxCellLevel) break;
   }

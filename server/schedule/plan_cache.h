@@ -14,8 +14,6 @@
 
 namespace farfield {
 
-using SharedPlan = std::shared_ptr<const LeafPlan>;
-
 struct PlanCacheStatistics {
   std::uint64_t hits = 0, misses = 0, evictions = 0;
   std::size_t items = 0, bytes = 0, capacity_bytes = 0;
@@ -26,11 +24,11 @@ class PlanCache {
   PlanCache(std::size_t capacity_bytes, double finest_side_m);
 
   /// Leaves tile space, so the one kept cell that holds the viewpoint is its leaf. Costs a look-up per level.
-  /// Returns: the plan, or null. Requires: finite.
+  /// Returns: the plan for the viewpoint's enclosure, or null. Requires: finite.
   SharedPlan find(const glm::dvec3& viewpoint);
-  /// By name, counting nothing: for a second look before making the plan.
+  /// The whole leaf's, by name, counting nothing: for a second look before making the plan.
   SharedPlan peek(const CellId& leaf);
-  /// Requires: not null.
+  /// Requires: not null, of a whole leaf.
   void insert(SharedPlan plan);
   PlanCacheStatistics statistics() const;
 

@@ -57,7 +57,11 @@ class ScheduledCellService final : public MeasuredCellService {
     // Every leaf is a union of finest cells, so viewpoints in one finest cell share the search for their leaf.
     const CellId finest = grid_.cell_at(viewpoint, 0);
     const auto request = std::make_shared<LeafRequest>();
-    auto named = [this, request, priority, asked_s = clock_(), answer = std::move(answer)](Result<CellId> leaf) {
+    auto at_viewpoint = [this, viewpoint, answer = std::move(answer)](Result<SharedPlan> whole) {
+      if (whole) *whole = plan_at(*whole, grid_, viewpoint);
+      answer(std::move(whole));
+    };
+    auto named = [this, request, priority, asked_s = clock_(), answer = std::move(at_viewpoint)](Result<CellId> leaf) {
       if (!leaf) {
         answer(tl::unexpected<Error>(std::move(leaf.error())));
       } else {

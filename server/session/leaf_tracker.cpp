@@ -32,7 +32,7 @@ LeafTracker::LeafTracker(asio::any_io_executor executor, std::shared_ptr<CellSer
 
 bool LeafTracker::is_in_current(const glm::dvec3& viewpoint) const {
   const std::shared_ptr<const LeafPlan>& current = pump_->current();
-  return current && grid_.box(current->leaf).contains(viewpoint);
+  return current && current->speaks_for(grid_, viewpoint);
 }
 
 bool LeafTracker::is_near_current(const glm::dvec3& viewpoint) const {
@@ -129,7 +129,7 @@ void LeafTracker::receive_demanded(std::uint64_t number, LeafAnswer plan) {
   }
   // Earlier questions are answered by this one: its viewpoint is nearer to where the viewer is.
   std::erase_if(demanded_, [&](const Question& question) { return question.number <= number; });
-  const bool is_where_viewer_is = grid_.box((*plan)->leaf).contains(pose_->position);
+  const bool is_where_viewer_is = (*plan)->speaks_for(grid_, pose_->position);
   // An answer the viewer has already left still beats none: its shells are mostly those of the leaf the viewer is in.
   if (is_where_viewer_is || is_newest || !is_near_current(pose_->position)) {
     if (is_where_viewer_is) demanded_.clear();

@@ -22,16 +22,16 @@ const LeafStream* PayloadPump::find_stream(LeafStream::Role role) const {
   return found == streams_.end() ? nullptr : found->get();
 }
 
-PayloadPump::Announced* PayloadPump::find_announced(const CellId& leaf) {
+PayloadPump::Announced* PayloadPump::find_announced(const LeafPlan& plan) {
   const auto found =
-      std::find_if(announced_.begin(), announced_.end(), [&](const Announced& a) { return a.plan->leaf == leaf; });
+      std::find_if(announced_.begin(), announced_.end(), [&](const Announced& a) { return a.plan->is_same_as(plan); });
   return found == announced_.end() ? nullptr : &*found;
 }
 
 std::shared_ptr<const LeafPlan> PayloadPump::announced_at(const glm::dvec3& viewpoint) const {
   const CellGrid grid{parts_.service->scene().settings.finest_side_m};
   for (const Announced& announced : announced_) {
-    if (grid.box(announced.plan->leaf).contains(viewpoint)) return announced.plan;
+    if (announced.plan->speaks_for(grid, viewpoint)) return announced.plan;
   }
   return nullptr;
 }
@@ -41,7 +41,7 @@ bool PayloadPump::knows_ahead(const glm::dvec3& viewpoint) const {
   std::size_t prefetched = 0;
   for (const auto& stream : streams_) {
     if (!stream->is_prefetch()) continue;
-    if (++prefetched >= parts_.limits.prefetched_leaves || grid.box(stream->plan->leaf).contains(viewpoint)) return true;
+    if (++prefetched >= parts_.limits.prefetched_leaves || stream->plan->speaks_for(grid, viewpoint)) return true;
   }
   return false;
 }
@@ -85,7 +85,7 @@ void PayloadPump::leave_current(const LeafStream& next) {
   std::size_t best_missing = missing(next) / 2;
   for (const auto& stream : streams_) {
     if (stream->role != LeafStream::Role::kCurrent && stream->role != LeafStream::Role::kLeft) continue;
-    if (stream->is_complete || stream->plan->leaf == next.plan->leaf) continue;
+    if (stream->is_complete || stream->plan->is_same_as(*next.plan)) continue;
     const Box reach = grid.box(stream->plan->leaf).grown(grid.side_m(stream->plan->leaf.level));
     if (!reach.intersects(next_box) || missing(*stream) > best_missing) continue;
     best = stream.get();
@@ -95,19 +95,19 @@ void PayloadPump::leave_current(const LeafStream& next) {
     LeafStream& stream = *streams_[i];
     if (&stream == best) {
       stream.role = LeafStream::Role::kLeft;
-    } else if (!stream.is_fallback() && (!stream.is_prefetch() || stream.plan->leaf == next.plan->leaf)) {
+    } else if (!stream.is_fallback() && (!stream.is_prefetch() || stream.plan->is_same_as(*next.plan))) {
       drop_stream(i);
     }
   }
 }
 
 void PayloadPump::enter(std::shared_ptr<const LeafPlan> plan) {
-  if (is_stopped_ || (current_ && current_->leaf == plan->leaf)) return;
+  if (is_stopped_ || (current_ && current_->is_same_as(*plan))) return;
   current_ = std::move(plan);
   withdraw_queued(Lane::kPayload);
   withdraw_queued(Lane::kPrefetch);
 
-  const Announced* before = find_announced(current_->leaf);
+  const Announced* before = find_announced(*current_);
   auto stream = std::make_unique<LeafStream>(*parts_.service, before ? before->serial : next_serial_++, current_,
                                              LeafStream::Role::kCurrent, 0.0);
   leave_current(*stream);
@@ -150,13 +150,13 @@ void PayloadPump::show_fallback(std::shared_ptr<const LeafPlan> fallback) {
 }
 
 void PayloadPump::prefetch(std::shared_ptr<const LeafPlan> plan, double seconds_until_needed) {
-  if (is_stopped_ || (current_ && current_->leaf == plan->leaf)) return;
+  if (is_stopped_ || (current_ && current_->is_same_as(*plan))) return;
   std::size_t prefetched = 0;
   for (const auto& stream : streams_) {
     if (!stream->is_prefetch()) continue;
-    if (stream->plan->leaf == plan->leaf || ++prefetched >= parts_.limits.prefetched_leaves) return;
+    if (stream->plan->is_same_as(*plan) || ++prefetched >= parts_.limits.prefetched_leaves) return;
   }
-  const Announced* before = find_announced(plan->leaf);
+  const Announced* before = find_announced(*plan);
   auto stream = std::make_unique<LeafStream>(*parts_.service, before ? before->serial : next_serial_++, std::move(plan),
                                              LeafStream::Role::kPrefetch, seconds_until_needed);
   stream->is_announced = before != nullptr;

@@ -74,7 +74,7 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
   /// The current leaf is complete and nothing anybody waits for is under way: time for what is ahead.
   bool has_spare_capacity() const;
   std::uint64_t next_serial() const { return next_serial_; }
-  /// A plan this client was told about lately whose leaf holds the viewpoint, or null.
+  /// A plan this client was told about lately that speaks for the viewpoint, or null.
   std::shared_ptr<const LeafPlan> announced_at(const glm::dvec3& viewpoint) const;
   /// The fallback view sent last, or null.
   const LeafPlan* fallback() const;
@@ -101,7 +101,7 @@ class PayloadPump : public std::enable_shared_from_this<PayloadPump> {
 
   LeafStream* find_stream(std::uint64_t serial);
   const LeafStream* find_stream(LeafStream::Role role) const;
-  Announced* find_announced(const CellId& leaf);
+  Announced* find_announced(const LeafPlan& plan);
   void announce(LeafStream& stream);
   void withdraw_queued(Lane lane);
   /// Cancels the requests for which `is_stale` holds.

@@ -101,6 +101,7 @@ OutgoingFrame leaf_set_message(const LeafSetHead& head, const CellService& servi
   set_cell(set.mutable_root(), plan.root);
   set.set_background_visible(plan.background_visible);
   set.set_sky(plan.sky.bytes().data(), plan.sky.bytes().size());
+  set.set_enclosure(plan.enclosure.bytes().data(), plan.enclosure.bytes().size());
   set.set_exceeds_budget(plan.exceeds_budget);
   set.set_near_triangles(plan.near_triangles);
   const ContentHash scene_hash = service.scene().hash;

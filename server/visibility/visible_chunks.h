@@ -13,19 +13,19 @@ namespace farfield {
 /// A set of chunk indices with constant-time insertion, and the triangles it draws.
 class ChunkSet {
  public:
-  explicit ChunkSet(const Scene& scene) : scene_(scene), is_member_(scene.chunks().size(), false) {}
+  explicit ChunkSet(const Scene& scene) : scene_(&scene), is_member_(scene.chunks().size(), false) {}
   void insert(std::uint32_t chunk) {
     if (is_member_[chunk]) return;
     is_member_[chunk] = true;
     members_.push_back(chunk);
-    triangles_ += scene_.chunks()[chunk].triangles;
+    triangles_ += scene_->chunks()[chunk].triangles;
   }
   bool contains(std::uint32_t chunk) const { return is_member_[chunk]; }
   const std::vector<std::uint32_t>& members() const { return members_; }
   std::size_t triangles() const { return triangles_; }
 
  private:
-  const Scene& scene_;
+  const Scene* scene_;
   std::vector<bool> is_member_;
   std::vector<std::uint32_t> members_;
   std::size_t triangles_ = 0;

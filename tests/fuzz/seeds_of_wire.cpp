@@ -82,6 +82,7 @@ wire::LeafSet leaf_set(bool is_placed_by_translation) {
   placement.set_texture(78);
   for (int i = 0; i < (is_placed_by_translation ? 3 : 12); ++i) placement.add_transform(0.5f * static_cast<float>(i));
   message.set_sky(std::string(DirectionMask::kBytes, '\x0f'));
+  if (is_placed_by_translation) message.set_enclosure("\x11\x11\x01");
   return message;
 }
 

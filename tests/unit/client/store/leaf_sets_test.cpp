@@ -80,6 +80,50 @@ TEST_F(LeafSetsTest, APrefetchedSetIsShownTheMomentTheEyeEnters) {
   EXPECT_FALSE(is_late(sets.view().get(), made::eye_in(1)));
 }
 
+TEST_F(LeafSetsTest, BehindAWallTheSetOfTheOtherSideIsNotEnough) {
+  const glm::dvec3 low(0.1, 0.5, 0.5), high(0.9, 0.5, 0.5);
+  sets.set_eye(low);
+  sets.announce(made::half_set(1, 0, false, {1, 2}));
+  for (const ContentHash key : {1, 2}) sets.receive(made::tile(key));
+  EXPECT_TRUE(sets.update(true));
+  EXPECT_FALSE(is_late(sets.view().get(), low));
+  EXPECT_TRUE(sets.has_usable_view());
+  // Through the wall, in the same leaf.
+  sets.set_eye(high);
+  EXPECT_TRUE(is_late(sets.view().get(), high));
+  sets.announce(made::half_set(2, 0, true, {2, 3}));
+  sets.update(true);
+  EXPECT_TRUE(is_late(sets.view().get(), high));
+  sets.receive(made::tile(3));
+  EXPECT_TRUE(sets.update(false));
+  EXPECT_FALSE(is_late(sets.view().get(), high));
+  EXPECT_EQ(sets.view()->tiles.size(), 2u);
+  // Both are kept: back again nothing has to come.
+  sets.set_eye(low);
+  EXPECT_TRUE(sets.update(false));
+  EXPECT_FALSE(is_late(sets.view().get(), low));
+}
+
+TEST_F(LeafSetsTest, FarBehindAWallASetIsOfNoUse) {
+  sets.set_eye({0.1, 0.5, 0.5});
+  LeafSet quarter = made::half_set(1, 0, false, {1});
+  EnclosureMaskWriter writer;
+  writer.divide();
+  for (int child = 0; child < 8; ++child) {
+    writer.divide();
+    for (int part = 0; part < 8; ++part) writer.fill(child % 2 == 0 && part % 2 == 0);
+  }
+  quarter.enclosure = EnclosureMask::from_bytes(writer.take()).value();
+  sets.announce(std::move(quarter));
+  sets.receive(made::tile(1));
+  sets.update(true);
+  EXPECT_TRUE(sets.has_usable_view());
+  sets.set_eye({0.3, 0.5, 0.5});
+  EXPECT_TRUE(sets.has_usable_view()) << "in the voxel beside it, which holds the wall";
+  sets.set_eye({0.8, 0.5, 0.5});
+  EXPECT_FALSE(sets.has_usable_view());
+}
+
 TEST_F(LeafSetsTest, CompleteWaitsForChunksAndTheCoarsestTextureLevels) {
   LeafSet set = made::leaf_set(1, 0, {1});
   set.chunks = {{20, 30}, {21, 0}, {20, 30}};

@@ -25,6 +25,16 @@ inline LeafSet leaf_set(std::uint64_t serial, int leaf, std::vector<ContentHash>
   return set;
 }
 
+/// Holds in one half of the leaf along x only.
+inline LeafSet half_set(std::uint64_t serial, int leaf, bool is_upper, std::vector<ContentHash> tiles) {
+  LeafSet set = leaf_set(serial, leaf, std::move(tiles));
+  EnclosureMaskWriter half;
+  half.divide();
+  for (int child = 0; child < 8; ++child) half.fill((child & 1) == (is_upper ? 1 : 0));
+  set.enclosure = EnclosureMask::from_bytes(half.take()).value();
+  return set;
+}
+
 inline LeafSet fallback_set(std::uint64_t serial, int leaf, std::vector<ContentHash> tiles) {
   LeafSet set = leaf_set(serial, leaf, std::move(tiles));
   set.is_fallback = true;

@@ -19,6 +19,7 @@ struct FakeWorld {
   std::size_t tile_bytes = 1000;
   int shared_tiles = 2;        // of these, the first are the same for all leaves (far shells)
   int texture_levels = 8;      // 128 texels: one level is finer than coarse
+  bool has_walls = false;      // across every leaf: what is beyond its middle along x is another enclosure
 };
 
 class FakeCellService final : public CellService {
@@ -75,6 +76,14 @@ class FakeCellService final : public CellService {
       plan->tiles.push_back({id, 1.0f / static_cast<float>(2 + i)});
     }
     plan->chunks = {0, 1};
+    if (world_.has_walls) {
+      const bool is_beyond = viewpoint.x > grid().box(plan->leaf).center().x;
+      EnclosureMaskWriter half;
+      half.divide();
+      for (int child = 0; child < 8; ++child) half.fill((child & 1) == (is_beyond ? 1 : 0));
+      plan->enclosure = EnclosureMask::from_bytes(half.take()).value();
+      if (is_beyond) plan->tiles.resize(static_cast<std::size_t>(world_.shared_tiles));
+    }
     return plan;
   }
   // Of the cell one level above the finest.

@@ -296,6 +296,27 @@ TEST_F(SessionTest, WhoJumpsIsPlannedForBesideWhatIsUnderWay) {
   EXPECT_TRUE(client.wait([&] { return !client.sets.empty() && client.sets.back().leaf().x() == last.x; }));
 }
 
+TEST_F(SessionTest, BehindAWallOfTheSameLeafAnotherSetHolds) {
+  FakeWorld world;
+  world.has_walls = true;
+  serve(world);
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  client.move_to({0.5, 1, 1});
+  ASSERT_TRUE(client.wait_complete(1));
+  client.move_to({1.5, 1, 1}, 10);
+  ASSERT_TRUE(client.wait_complete(2));
+  ASSERT_EQ(client.sets.size(), 2u);
+  EXPECT_EQ(client.sets[0].leaf().x(), client.sets[1].leaf().x());
+  EXPECT_EQ(client.sets[0].tiles_size(), 6);
+  EXPECT_EQ(client.sets[1].tiles_size(), 2);
+  EXPECT_NE(client.sets[0].enclosure(), client.sets[1].enclosure());
+  EXPECT_EQ(client.repeated(), 0u);
+  client.move_to({0.5, 1, 1}, 20);
+  EXPECT_TRUE(client.wait([&] { return server->metrics().leaf_sets_reused >= 1; })) << "both are known now";
+  EXPECT_EQ(client.sets.size(), 2u);
+}
+
 TEST_F(SessionTest, NothingIsPrefetchedWhileTheCurrentLeafIsIncomplete) {
   serve();
   service->hold_tiles();
