@@ -30,11 +30,11 @@ class Probe {
     for (std::size_t e = 0; e < masks.size(); ++e) result_.enclosures[e].mask = masks[e];
     near_of_.assign(masks.size(), ChunkSet(scene_));
   }
-  /// `enclosure`: that of the viewpoint, or -1.
-  void look_from(const glm::dvec3& viewpoint, int enclosure) {
+  /// `enclosure`: that of the viewpoint, or -1. `edge`: rays per face edge.
+  void look_from(const glm::dvec3& viewpoint, int enclosure, int edge) {
     Sight here;
     ChunkSet* near_here = enclosure < 0 ? nullptr : &near_of_[enclosure];
-    cast_sphere(scene_, viewpoint, settings_.edge, jitter_of(result_.viewpoints), {},
+    cast_sphere(scene_, viewpoint, edge, jitter_of(result_.viewpoints), {},
                 [&](const RayPacket& rays, const HitPacket& hits, const double* weight) {
                   for (int lane = 0; lane < kPacketSize; ++lane) {
                     if (hits.part[lane] == kNoHit) {
@@ -61,16 +61,24 @@ class Probe {
     for (int batch = 0; batch < kBatches && !result_.is_cut_short; ++batch) {
       const std::size_t before = near_.triangles();
       for (int looked = 0; looked < kBatch && !result_.is_cut_short; ++looked)
-        if (!look_from_fresh([](int) { return true; }, 4 * kBatches * kBatch)) break;
+        if (!look_from_fresh([](int) { return true; }, 4 * kBatches * kBatch, settings_.edge)) break;
       result_.is_converged = near_.triangles() - before <= near_.triangles() / 100;
       if (result_.is_converged) return;
     }
   }
+  /// Many viewpoints of few rays each: what shows only through a gap, from between the heights of the lattice, is seen from
+  /// some of them.
+  void look_through_gaps() {
+    constexpr int kGlances = 27;
+    const int edge = std::max(4, settings_.edge / 2 / 4 * 4);
+    for (int k = 0; k < kGlances && !result_.is_cut_short; ++k)
+      if (!look_from_fresh([](int) { return true; }, tried_ + 4 * kGlances, edge)) return;
+  }
   /// More viewpoints for enclosures that few fell into.
   void look_around_enclosures() {
-    constexpr std::size_t kTries = 512;
+    const std::size_t tries = tried_ + 512;
     const auto is_wanting = [&](int e) { return e >= 0 && result_.enclosures[e].viewpoints < kEnclosureViewpoints; };
-    while (!result_.is_cut_short && look_from_fresh(is_wanting, kTries)) {
+    while (!result_.is_cut_short && look_from_fresh(is_wanting, tries, settings_.edge)) {
     }
   }
   /// Inserts what is thin among the candidates and was met by no ray yet. `standpoints`: with the enclosure of each.
@@ -108,14 +116,14 @@ class Probe {
       if (result_.enclosures[e].mask.contains(viewpoints_, point)) return static_cast<int>(e);
     return -1;
   }
-  /// Looks from the next free place of the sequence whose enclosure is wanted. Returns: false once `tries` are used up.
+  /// Looks from the next free place of the sequence whose enclosure is wanted. Returns: false if none of the first `tries` is left.
   template <class IsWanted>
-  bool look_from_fresh(IsWanted is_wanted, std::size_t tries) {
+  bool look_from_fresh(IsWanted is_wanted, std::size_t tries, int edge) {
     while (tried_ < tries) {
       const glm::dvec3 point = fresh_viewpoint(viewpoints_, tried_++);
       const int enclosure = enclosure_at(point);
       if (!is_wanted(enclosure) || !is_free(scene_, point)) continue;
-      look_from(point, enclosure);
+      look_from(point, enclosure, edge);
       return true;
     }
     return false;
@@ -144,9 +152,10 @@ BoxVisibility probe_visibility(const Scene& scene, const Box& viewpoints, const 
     enclosure_of = std::move(enclosures.of_viewpoint);
     probe.divide(enclosures.masks);
   }
-  for (std::size_t k = 0; k < stand.points.size() && !result.is_cut_short; ++k) probe.look_from(stand.points[k], enclosure_of[k]);
+  for (std::size_t k = 0; k < stand.points.size() && !result.is_cut_short; ++k) probe.look_from(stand.points[k], enclosure_of[k], settings.edge);
   if (is_thorough) {
     probe.converge();
+    probe.look_through_gaps();
     probe.look_around_enclosures();
   }
   // A hit just outside the near box may belong to a chunk that also reaches in, where its part inside was missed.
