@@ -27,6 +27,10 @@ TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, c
   return id;
 }
 
+// Tiles of which less is seen than this, as a share of the sphere, are not worth their bytes: a delta tile takes about half
+// those of an intra tile, and there are many more that are hardly seen.
+constexpr double kLeastIntraShare = 2e-6, kLeastDeltaShare = 4e-7;
+
 // What one shell contributes: tiles seen, with the solid angle they cover (summed over viewpoints), by the enclosure
 // of who sees them.
 class ShellNeeds {
@@ -38,15 +42,14 @@ class ShellNeeds {
   }
 
   void add(const FarHit& hit) {
-    mark(kIntraView, hit);
-    if (views_->positions.size() > 1) waiting_.push_back(hit);
+    waiting_.push_back(hit);
   }
   /// Once, when all hits are added.
   void ask_delta_views() {
     // Of each point the first view that holds it.
     for (std::size_t view = 0; view < views_->positions.size() && !waiting_.empty(); ++view)
       drop_held(scene_, space_, slack_, views_->positions[view], waiting_, [&](const FarHit& hit) {
-        if (view > 0) mark(static_cast<int>(view), hit);
+        mark(static_cast<int>(view), hit);
       });
     waiting_.clear();
   }
@@ -60,7 +63,10 @@ class ShellNeeds {
     constexpr double kSphere = 4 * 3.14159265358979323846;
     const double spheres = kSphere * static_cast<double>(std::max<std::size_t>(1, viewpoints));
     std::vector<NeededTile> mine;
-    for (const auto& [id, solid_angle] : seen) mine.push_back({id, static_cast<float>(solid_angle / spheres)});
+    for (const auto& [id, solid_angle] : seen) {
+      const double share = solid_angle / spheres;
+      if (share >= (id.is_delta() ? kLeastDeltaShare : kLeastIntraShare)) mine.push_back({id, static_cast<float>(share)});
+    }
     std::stable_sort(mine.begin(), mine.end(), [](const NeededTile& a, const NeededTile& b) {
       if (a.id.is_delta() != b.id.is_delta()) return b.id.is_delta();
       return a.view_share > b.view_share;
