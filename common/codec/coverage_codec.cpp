@@ -6,11 +6,11 @@
 // the previous position along the same silhouette. Where exactly one end is covered the cut is implied.
 #include "common/codec/coverage_codec.h"
 
-#include <algorithm>
 #include <array>
+#include <bit>
+#include <cstring>
 
 #include "common/codec/bit_coder.h"
-#include "common/impostor/tile_neighbours.h"
 
 namespace farfield {
 namespace {
@@ -23,7 +23,18 @@ struct Contexts {
   std::array<std::array<BitContext, 8>, 18> position{};
 };
 
-// One walk over the tile serves both directions: `Coder` either writes what the tile says or reads it into the tile.
+// One byte per sample of a block, row by row.
+using BlockValues = std::array<std::uint8_t, kBlockSamples * kBlockSamples>;
+
+// A tile's topology, block by block.
+struct Topology {
+  std::vector<std::uint64_t> covered;
+  std::vector<BlockValues> cut_right, cut_down;
+
+  explicit Topology(const BlockGrid& grid) : covered(grid.size(), 0), cut_right(grid.size()), cut_down(grid.size()) {}
+};
+
+// One walk over the blocks serves both directions: `Coder` either writes what they say or reads it into them.
 struct Writer {
   BitEncoder coder;
   bool code(bool bit, BitContext& context) {
@@ -39,167 +50,158 @@ struct Reader {
 template <class Coder>
 class TopologyWalk {
  public:
-  TopologyWalk(Coder& coder, Tile& tile) : coder_(coder), tile_(tile), neighbours_(tile) {
-    columns_ = (tile.width + kBlockSamples - 1) / kBlockSamples;
-    rows_ = (tile.height + kBlockSamples - 1) / kBlockSamples;
-    states_.assign(static_cast<std::size_t>(columns_) * rows_, 0);
-    cut_blocks_.assign(states_.size(), 0);
-  }
+  TopologyWalk(Coder& coder, const BlockGrid& grid, Topology& blocks)
+      : coder_(coder), grid_(grid), blocks_(blocks), states_(grid.size(), 0), cut_blocks_(grid.size(), 0) {}
   void run() {
-    for (int row = 0; row < rows_; ++row)
-      for (int column = 0; column < columns_; ++column) code_coverage(column, row);
-    for (int row = 0; row < rows_; ++row)
-      for (int column = 0; column < columns_; ++column) code_cuts(column, row);
+    for (int block = 0; block < grid_.size(); ++block) code_coverage(block);
+    for (int block = 0; block < grid_.size(); ++block) code_cuts(block);
   }
 
  private:
-  template <class Visit>
-  void each_sample(int column, int row, Visit visit) {
-    const int x_end = std::min(tile_.width, (column + 1) * kBlockSamples);
-    const int y_end = std::min(tile_.height, (row + 1) * kBlockSamples);
-    for (int y = row * kBlockSamples; y < y_end; ++y)
-      for (int x = column * kBlockSamples; x < x_end; ++x) visit(x, y, y * tile_.width + x);
-  }
-  int covered(int x, int y) const {
-    return x >= 0 && y >= 0 && x < tile_.width ? tile_.coverage[static_cast<std::size_t>(y) * tile_.width + x] : 0;
-  }
+  // What a word says of a block in the image, relative to another: 0 beyond the image's left, upper and right borders.
+  bool has_left(int block) const { return block % grid_.columns() > 0; }
+  bool has_right(int block) const { return block % grid_.columns() + 1 < grid_.columns(); }
+  bool has_above(int block) const { return block >= grid_.columns(); }
 
-  // The samples of a block in one of the tile's arrays, row by row.
-  template <class Visit>
-  void each_row(int column, int row, std::vector<std::uint8_t>& values, Visit visit) {
-    const int x = column * kBlockSamples, count = std::min(tile_.width, x + kBlockSamples) - x;
-    const int y_end = std::min(tile_.height, (row + 1) * kBlockSamples);
-    for (int y = row * kBlockSamples; y < y_end; ++y) visit(&values[static_cast<std::size_t>(y) * tile_.width + x], count);
-  }
-  void fill_block(int column, int row, std::vector<std::uint8_t>& values, std::uint8_t value) {
-    each_row(column, row, values, [&](std::uint8_t* first, int count) { std::fill_n(first, count, value); });
-  }
-  bool is_zero(int column, int row, std::vector<std::uint8_t>& values) {
-    std::uint8_t any = 0;
-    each_row(column, row, values, [&](const std::uint8_t* first, int count) {
-      for (int k = 0; k < count; ++k) any |= first[k];
-    });
-    return any == 0;
-  }
-
-  void code_coverage(int column, int row) {
-    const std::size_t block = static_cast<std::size_t>(row) * columns_ + column;
-    int count = 0, total = 0;
-    each_row(column, row, tile_.coverage, [&](const std::uint8_t* first, int samples) {
-      for (int k = 0; k < samples; ++k) count += first[k];
-      total += samples;
-    });
-    const int context = (column > 0 ? states_[block - 1] : 0) * 3 + (row > 0 ? states_[block - columns_] : 0);
-    const bool is_mixed = coder_.code(count > 0 && count < total, contexts_.is_mixed[context]);
-    const bool is_full = !is_mixed && coder_.code(count == total, contexts_.is_full[context]);
+  void code_coverage(int block) {
+    std::uint64_t& covered = blocks_.covered[block];
+    const std::uint64_t samples = grid_.samples(block);
+    const int above = block - grid_.columns();
+    const int context = (has_left(block) ? states_[block - 1] : 0) * 3 + (has_above(block) ? states_[above] : 0);
+    const bool is_mixed = coder_.code(covered != 0 && covered != samples, contexts_.is_mixed[context]);
+    const bool is_full = !is_mixed && coder_.code(covered == samples, contexts_.is_full[context]);
     states_[block] = is_mixed ? 1 : (is_full ? 2 : 0);
     if (!is_mixed) {
-      fill_block(column, row, tile_.coverage, is_full);
+      covered = is_full ? samples : 0;
       return;
     }
-    each_sample(column, row, [&](int x, int y, int i) {
-      // The sample above and to the right is known only inside this block or in the row of blocks above.
-      const bool knows_right = (x + 1) % kBlockSamples != 0 || y % kBlockSamples == 0;
-      const int c = covered(x - 1, y) | covered(x, y - 1) << 1 | covered(x - 1, y - 1) << 2 |
-                    (knows_right ? covered(x + 1, y - 1) << 3 : 0);
-      tile_.coverage[i] = coder_.code(tile_.coverage[i], contexts_.covered[c]);
-    });
+    const std::uint64_t left = has_left(block) ? blocks_.covered[block - 1] : 0, wanted = covered;
+    covered = 0;
+    // Bits x … x + 2 of `row_above` are the samples above x - 1, x and x + 1. The sample above and to the right is known only
+    // inside this block or in the row of blocks above.
+    unsigned row_above = 0;
+    if (has_above(block)) {
+      row_above = static_cast<unsigned>(blocks_.covered[above] >> 56) << 1;
+      if (has_left(block)) row_above |= static_cast<unsigned>(blocks_.covered[above - 1] >> 63);
+      if (has_right(block)) row_above |= static_cast<unsigned>(blocks_.covered[above + 1] >> 56 & 1) << 9;
+    }
+    for (int y = 0; y < kBlockSamples; ++y) {
+      unsigned row = static_cast<unsigned>(left >> (8 * y + 7) & 1);  // bit x + 1: sample x
+      for (int x = 0; x < kBlockSamples; ++x) {
+        const int k = 8 * y + x;
+        if (!(samples >> k & 1)) continue;
+        const unsigned near = row_above >> x;
+        const unsigned c = (row >> x & 1) | (near & 2) | (near & 1) << 2 | (near & 4) << 1;
+        row |= static_cast<unsigned>(coder_.code(wanted >> k & 1, contexts_.covered[c])) << (x + 1);
+      }
+      covered |= std::uint64_t{row >> 1} << 8 * y;
+      row_above = row;
+    }
   }
 
-  // Every edge of the block that has two covered ends, then every edge that has one.
-  void code_cuts(int column, int row) {
-    const std::size_t block = static_cast<std::size_t>(row) * columns_ + column;
+  // Every edge of the block that has two covered ends, if any of these is cut, and every edge that has one.
+  void code_cuts(int block) {
+    const BlockGrid::Beside& beside = grid_.beside(block);
+    const std::uint64_t covered = blocks_.covered[block];
+    const std::uint64_t right = bits_to_the_right(covered, beside.right < 0 ? 0 : blocks_.covered[beside.right]);
+    const std::uint64_t below = bits_below(covered, beside.below < 0 ? 0 : blocks_.covered[beside.below]);
+    BlockValues &cut_right = blocks_.cut_right[block], &cut_down = blocks_.cut_down[block];
     bool any = false;
     if (states_[block] != 0) {
-      if (!is_zero(column, row, tile_.cut_right) || !is_zero(column, row, tile_.cut_down)) {
-        each_sample(column, row, [&](int, int, int i) {
-          if (!tile_.coverage[i]) return;
-          const int right = neighbours_.right(i), down = neighbours_.down(i);
-          if (right >= 0 && tile_.coverage[right] && tile_.cut_right[i]) any = true;
-          if (down >= 0 && tile_.coverage[down] && tile_.cut_down[i]) any = true;
-        });
-      }
-      const int context = (column > 0 ? cut_blocks_[block - 1] : 0) + 2 * (row > 0 ? cut_blocks_[block - columns_] : 0);
+      any = has_cut(cut_right, covered & right) || has_cut(cut_down, covered & below);
+      const int context = (has_left(block) ? cut_blocks_[block - 1] : 0) + 2 * (has_above(block) ? cut_blocks_[block - grid_.columns()] : 0);
       any = coder_.code(any, contexts_.has_cuts[context]);
     }
     cut_blocks_[block] = any;
-    // A block without mixed coverage and without cuts has only the edges across its right and lower border to code.
-    const bool is_plain = states_[block] != 1 && !any;
-    if (is_plain && !borders_on_another_state(column, row)) {
-      fill_block(column, row, tile_.cut_right, kConnected);
-      fill_block(column, row, tile_.cut_down, kConnected);
-      return;
+
+    const BlockValues wanted_right = cut_right, wanted_down = cut_down;
+    cut_right.fill(kConnected), cut_down.fill(kConnected);
+    const std::uint64_t code_right = (any ? covered | right : covered ^ right) & grid_.with_right(block);
+    const std::uint64_t code_down = (any ? covered | below : covered ^ below) & grid_.with_below(block);
+    for (std::uint64_t todo = code_right | code_down; todo != 0; todo &= todo - 1) {
+      const int k = std::countr_zero(todo);
+      const int right_above = value_above(blocks_.cut_right, k, block, beside.above), down_above = value_above(blocks_.cut_down, k, block, beside.above);
+      if (code_right >> k & 1) {
+        const int before = value_left(blocks_.cut_right, k, block, beside.left);
+        const int context = (right_above != 0) | (before != 0) << 1 | (down_above != 0) << 2;
+        cut_right[k] = code_edge((covered & right) >> k & 1, wanted_right[k], right_above, contexts_.cut[0][context], 0);
+      }
+      if (code_down >> k & 1) {
+        const int along = value_left(blocks_.cut_down, k, block, beside.left);
+        const int context = (along != 0) | (down_above != 0) << 1 | (cut_right[k] != 0) << 2;
+        cut_down[k] = code_edge((covered & below) >> k & 1, wanted_down[k], along, contexts_.cut[1][context], 1);
+      }
     }
-    const int last_x = std::min(tile_.width, (column + 1) * kBlockSamples) - 1, last_y = std::min(tile_.height, (row + 1) * kBlockSamples) - 1;
-    each_sample(column, row, [&](int x, int y, int i) {
-      if (is_plain && x < last_x && y < last_y) return;
-      code_edge(i, neighbours_.right(i), neighbours_.up(i), neighbours_.left(i), tile_.cut_right, tile_.cut_down, 0, any);
-      code_edge(i, neighbours_.down(i), neighbours_.left(i), neighbours_.up(i), tile_.cut_down, tile_.cut_right, 1, any);
-    });
   }
 
-  // Whether an edge across a plain block's right or lower border may have one covered end. Neighbours in the image are
-  // neighbours on the face only in dense tiles.
-  bool borders_on_another_state(int column, int row) const {
-    if (tile_.is_packed()) return true;
-    const std::size_t block = static_cast<std::size_t>(row) * columns_ + column;
-    return (column + 1 < columns_ && states_[block + 1] != states_[block]) || (row + 1 < rows_ && states_[block + columns_] != states_[block]);
+  static bool has_cut(const BlockValues& cuts, std::uint64_t where) {
+    if (cuts == BlockValues{}) return false;
+    for (; where != 0; where &= where - 1)
+      if (cuts[std::countr_zero(where)] != kConnected) return true;
+    return false;
+  }
+  static int value_above(const std::vector<BlockValues>& values, int k, int block, int above) {
+    return k >= 8 ? values[block][k - 8] : above >= 0 ? values[above][k + 56] : 0;
+  }
+  static int value_left(const std::vector<BlockValues>& values, int k, int block, int left) {
+    return k % 8 > 0 ? values[block][k - 1] : left >= 0 ? values[left][k + 7] : 0;
   }
 
-  // `along`: the sample whose same edge continues the silhouette; `before`: the sample whose edge leads into this one.
-  void code_edge(int i, int other, int along, int before, std::vector<std::uint8_t>& cuts,
-                 const std::vector<std::uint8_t>& crossing, int direction, bool block_has_cuts) {
-    if (other < 0) {
-      cuts[i] = 0;
-      return;
-    }
-    const int ends = tile_.coverage[i] + tile_.coverage[other];
-    const int along_cut = along >= 0 ? cuts[along] : 0;
-    bool is_cut = ends == 1;
-    if (ends == 2 && block_has_cuts) {
-      const int context = (along_cut != 0) | (before >= 0 && cuts[before] != 0) << 1 |
-                          ((direction == 0 ? (along >= 0 && crossing[along] != 0) : crossing[i] != 0) << 2);
-      is_cut = coder_.code(cuts[i] != 0, contexts_.cut[direction][context]);
-    }
-    if (!is_cut) {
-      cuts[i] = 0;
-      return;
-    }
-    auto& tree = contexts_.position[along_cut + 9 * direction];
+  // `along`: the same edge's cut one row or column before, along the silhouette.
+  std::uint8_t code_edge(bool has_two_ends, int wanted, int along, BitContext& is_cut, int direction) {
+    if (has_two_ends && !coder_.code(wanted != kConnected, is_cut)) return kConnected;
+    auto& tree = contexts_.position[along + 9 * direction];
     int node = 1;
-    const int position = cuts[i] == 0 ? 3 : cuts[i] - 1;
+    const int position = wanted == kConnected ? 3 : wanted - 1;
     for (int bit = 2; bit >= 0; --bit) node = node * 2 + coder_.code((position >> bit) & 1, tree[node]);
-    cuts[i] = static_cast<std::uint8_t>(node - 8 + 1);
+    return static_cast<std::uint8_t>(node - 8 + 1);
   }
 
   Coder& coder_;
-  Tile& tile_;
-  TileNeighbours neighbours_;
-  int columns_ = 0, rows_ = 0;
+  const BlockGrid& grid_;
+  Topology& blocks_;
   std::vector<std::uint8_t> states_, cut_blocks_;
   Contexts contexts_;
 };
 
+// Calls visit(samples in the tile's arrays, samples in the block, how many) for each row of a block.
+template <class Visit>
+void each_row(const BlockGrid& grid, int block, Visit visit) {
+  const std::uint64_t samples = grid.samples(block);
+  const int columns = std::popcount(samples & kFirstRow);
+  for (int y = 0; y < kBlockSamples && (samples >> 8 * y & 1); ++y)
+    visit(static_cast<std::size_t>(grid.first_sample(block)) + static_cast<std::size_t>(y) * grid.width(), 8 * y, columns);
+}
+
 }  // namespace
 
-Bytes encode_topology(const Tile& tile) {
-  Tile copy;  // the walk normalises what it codes: work on a copy of the topology alone
-  copy.id = tile.id;
-  copy.width = tile.width, copy.height = tile.height;
-  copy.blocks = tile.blocks;
-  copy.coverage = tile.coverage;
-  copy.cut_right = tile.cut_right, copy.cut_down = tile.cut_down;
+Bytes encode_topology(const Tile& tile, const TileBits& bits) {
+  const BlockGrid& grid = bits.grid();
+  Topology blocks(grid);
+  for (int block = 0; block < grid.size(); ++block) {
+    blocks.covered[block] = bits[block].covered;
+    each_row(grid, block, [&](std::size_t in_tile, int in_block, int columns) {
+      std::memcpy(&blocks.cut_right[block][in_block], &tile.cut_right[in_tile], static_cast<std::size_t>(columns));
+      std::memcpy(&blocks.cut_down[block][in_block], &tile.cut_down[in_tile], static_cast<std::size_t>(columns));
+    });
+  }
   Writer writer;
-  TopologyWalk<Writer>(writer, copy).run();
+  TopologyWalk<Writer>(writer, grid, blocks).run();
   return writer.coder.finish();
 }
 
 void decode_topology(ByteView bytes, Tile& tile) {
-  tile.coverage.assign(tile.samples(), 0);
-  tile.cut_right.assign(tile.samples(), 0);
-  tile.cut_down.assign(tile.samples(), 0);
+  const BlockGrid grid(tile);
+  Topology blocks(grid);
   Reader reader{BitDecoder(bytes)};
-  TopologyWalk<Reader>(reader, tile).run();
+  TopologyWalk<Reader>(reader, grid, blocks).run();
+  tile.coverage.resize(tile.samples()), tile.cut_right.resize(tile.samples()), tile.cut_down.resize(tile.samples());
+  for (int block = 0; block < grid.size(); ++block)
+    each_row(grid, block, [&](std::size_t in_tile, int in_block, int columns) {
+      for (int x = 0; x < columns; ++x) tile.coverage[in_tile + x] = blocks.covered[block] >> (in_block + x) & 1;
+      std::memcpy(&tile.cut_right[in_tile], &blocks.cut_right[block][in_block], static_cast<std::size_t>(columns));
+      std::memcpy(&tile.cut_down[in_tile], &blocks.cut_down[block][in_block], static_cast<std::size_t>(columns));
+    });
 }
 
 }  // namespace farfield

@@ -3,13 +3,14 @@
 #pragma once
 
 #include "common/base/bytes.h"
-#include "common/impostor/tile.h"
+#include "common/codec/tile_bits.h"
 
 namespace farfield {
 
 /// Format: see coverage_codec.cpp. Requires: arrays of the tile's size; cuts in 0…8, non-zero wherever exactly one end
 /// is covered, zero where neither is.
-Bytes encode_topology(const Tile& tile);
+/// `bits`: of the tile.
+Bytes encode_topology(const Tile& tile, const TileBits& bits);
 /// Fills coverage, cut_right and cut_down of `tile`, whose size and blocks are set. Any bytes give some topology.
 void decode_topology(ByteView bytes, Tile& tile);
 

@@ -16,23 +16,16 @@
 #include <cstdlib>
 
 #include "common/codec/bit_coder.h"
+#include "common/codec/plane_fit.h"
 #include "common/impostor/tile_neighbours.h"
 
 namespace farfield {
 namespace {
 
-constexpr int kLargestNode = 32, kSmallestNode = 4;
-constexpr int kOffsetShift = 5;
 constexpr std::int64_t kLevel = 510;  // a sample's level: twice the tolerance, less a unit each way for float rounding
 constexpr std::int64_t kLargestUnits = std::int64_t{1} << 40;
 
-int slope_shift(int node) { return node >= 32 ? 0 : node >= 16 ? 1 : node >= 8 ? 2 : 3; }
 int size_class(int node) { return slope_shift(node); }
-
-struct Plane {
-  std::int64_t c = 0, gx = 0, gy = 0;  // c at the tile's sample (0, 0), so that planes of different nodes compare
-  std::int64_t at(int i, int j) const { return c + gx * i + gy * j; }
-};
 
 struct Contexts {
   std::array<BitContext, 16> split{};
@@ -45,146 +38,60 @@ std::int64_t round_shift(std::int64_t value, int shift) {
   return shift == 0 ? value : (value + (std::int64_t{1} << (shift - 1))) >> shift;
 }
 
-// Counts of non-zero entries in any rectangle of a tile's array, by a summed-area table (Crow 1984).
-class AreaCounts {
- public:
-  AreaCounts(const std::vector<std::uint8_t>& values, int width, int height)
-      : stride_(width + 1), sums_(static_cast<std::size_t>(width + 1) * (height + 1), 0) {
-    for (int y = 0; y < height; ++y) {
-      int row = 0;
-      const std::size_t above = static_cast<std::size_t>(y) * stride_;
-      for (int x = 0; x < width; ++x) {
-        row += values[static_cast<std::size_t>(y) * width + x] != 0;
-        sums_[above + stride_ + x + 1] = sums_[above + x + 1] + row;
-      }
-    }
-  }
-  int count(int x, int y, int x_end, int y_end) const {
-    const auto at = [&](int i, int j) { return sums_[static_cast<std::size_t>(j) * stride_ + i]; };
-    return at(x_end, y_end) - at(x, y_end) - at(x_end, y) + at(x, y);
-  }
-
- private:
-  int stride_;
-  std::vector<int> sums_;
-};
-
-// A sample of a surface: its index in the tile's arrays, and where that is.
-struct Member {
-  int index, x, y;
-};
-
-// The structure both sides share: nodes, surfaces and predictions.
+// The structure both sides share: nodes and predictions.
 class PlaneTree {
  protected:
-  explicit PlaneTree(const Tile& tile)
-      : tile_(tile), covered_(tile.coverage, tile.width, tile.height), cut_right_(tile.cut_right, tile.width, tile.height),
-        cut_down_(tile.cut_down, tile.width, tile.height), neighbours_(tile), units_(tile.samples(), 0), plane_of_(tile.samples(), -1), label_(tile.samples(), -1) {}
+  PlaneTree(const Tile& tile, const TileBits& bits) : tile_(tile), bits_(bits), neighbours_(tile), plane_of_(tile.samples(), -1) {}
 
-  struct Node {
-    int x, y, size;
-    int x_end, y_end;
-    int depth;
-  };
-  std::vector<Node> roots() const {
+  template <class Visit>
+  void each_root(Visit visit) const {
     const int size = tile_.is_packed() ? kBlockSamples : kLargestNode;
-    std::vector<Node> nodes;
     for (int y = 0; y < tile_.height; y += size)
-      for (int x = 0; x < tile_.width; x += size) nodes.push_back(node_at(x, y, size, 0));
-    return nodes;
-  }
-  Node node_at(int x, int y, int size, int depth) const {
-    return {x, y, size, std::min(x + size, tile_.width), std::min(y + size, tile_.height), depth};
+      for (int x = 0; x < tile_.width; x += size) visit(Node{x, y, size});
   }
   template <class Visit>
-  void each_child(const Node& node, Visit visit) const {
+  static void each_child(const Node& node, Visit visit) {
     const int half = node.size / 2;
-    for (int k = 0; k < 4; ++k) {
-      const int x = node.x + (k & 1) * half, y = node.y + (k >> 1) * half;
-      if (x < node.x_end && y < node.y_end) visit(node_at(x, y, half, node.depth + 1));
-    }
-  }
-  bool is_empty(const Node& n) const { return covered_.count(n.x, n.y, n.x_end, n.y_end) == 0; }
-  // One surface over the whole node: covered everywhere, cut nowhere inside.
-  bool is_whole(const Node& n) const {
-    return covered_.count(n.x, n.y, n.x_end, n.y_end) == (n.x_end - n.x) * (n.y_end - n.y) &&
-           cut_right_.count(n.x, n.y, n.x_end - 1, n.y_end) == 0 && cut_down_.count(n.x, n.y, n.x_end, n.y_end - 1) == 0;
+    for (int k = 0; k < 4; ++k) visit(Node{node.x + (k & 1) * half, node.y + (k >> 1) * half, half});
   }
   int index(int x, int y) const { return y * tile_.width + x; }
 
-  // Samples of each connected surface of a node, surfaces in raster order of their first sample.
-  // Packed tiles: nodes never reach across blocks, so image neighbours are face neighbours.
-  void find_surfaces(const Node& n, std::vector<std::vector<Member>>& surfaces) {
-    surfaces.clear();
-    if (is_whole(n)) {
-      std::vector<Member>& members = surfaces.emplace_back();
-      members.reserve(static_cast<std::size_t>(n.size) * n.size);
-      for (int y = n.y; y < n.y_end; ++y)
-        for (int x = n.x; x < n.x_end; ++x) members.push_back({index(x, y), x, y});
-      return;
-    }
-    for (int y = n.y; y < n.y_end; ++y)
-      for (int x = n.x; x < n.x_end; ++x) label_[index(x, y)] = -1;
-    int count = 0;
-    for (int y = n.y; y < n.y_end; ++y)
-      for (int x = n.x; x < n.x_end; ++x) {
-        const int first = index(x, y);
-        if (!tile_.coverage[first] || label_[first] >= 0) continue;
-        const int label = count++;
-        label_[first] = label;
-        open_.assign(1, {first, x, y});
-        while (!open_.empty()) {
-          const auto [i, ix, iy] = open_.back();
-          open_.pop_back();
-          const auto join = [&](const Member& other, std::uint8_t cut) {
-            if (cut != kConnected || !tile_.coverage[other.index] || label_[other.index] >= 0) return;
-            label_[other.index] = label;
-            open_.push_back(other);
-          };
-          if (ix + 1 < n.x_end) join({i + 1, ix + 1, iy}, tile_.cut_right[i]);
-          if (iy + 1 < n.y_end) join({i + tile_.width, ix, iy + 1}, tile_.cut_down[i]);
-          if (ix > n.x) join({i - 1, ix - 1, iy}, tile_.cut_right[i - 1]);
-          if (iy > n.y) join({i - tile_.width, ix, iy - 1}, tile_.cut_down[i - tile_.width]);
-        }
-      }
-    surfaces.resize(static_cast<std::size_t>(count));
-    for (int y = n.y; y < n.y_end; ++y)
-      for (int x = n.x; x < n.x_end; ++x)
-        if (const int i = index(x, y); label_[i] >= 0) surfaces[label_[i]].push_back({i, x, y});
-  }
-
-  // Members of the surface have no plane yet, so any plane found beside them belongs to a sample coded before.
-  // The plane of an already coded sample connected to the surface, else a flat one at the last coded value.
-  Plane predict(const std::vector<Member>& members, bool& is_connected) const {
+  // The plane of an already coded sample connected to the surface, else a flat one at the last coded value. Samples of the
+  // node that are connected to the surface are the surface: only across the left and upper border there may be others.
+  Plane predict(const Node& node, const NodeSamples& surface, bool& is_connected) const {
     is_connected = true;
-    for (const Member& member : members) {
-      const int left = neighbours_.left(member.index), up = neighbours_.up(member.index);
-      if (left >= 0 && plane_of_[left] >= 0 && tile_.cut_right[left] == kConnected)
-        return planes_[plane_of_[left]];
-      if (up >= 0 && plane_of_[up] >= 0 && tile_.cut_down[up] == kConnected)
-        return planes_[plane_of_[up]];
+    const Plane* found = nullptr;
+    const auto is_found = [&](int other, const std::vector<std::uint8_t>& cuts) {
+      if (other < 0 || plane_of_[other] < 0 || cuts[other] != kConnected) return false;
+      found = &planes_[plane_of_[other]];
+      return true;
+    };
+    for (int y = surface.first_row; y < surface.end_row; ++y) {
+      if (surface.rows[y] & 1 && is_found(neighbours_.left(index(node.x, node.y + y)), tile_.cut_right)) return *found;
+      if (y > 0) continue;
+      for (std::uint32_t row = surface.rows[0]; row != 0; row &= row - 1)
+        if (is_found(neighbours_.up(index(node.x + std::countr_zero(row), node.y)), tile_.cut_down)) return *found;
     }
     is_connected = false;
     return Plane{last_units_, 0, 0};
   }
 
-  void adopt(const std::vector<Member>& members, const Plane& plane) {
+  // Only from across the right and lower border a plane will be asked for.
+  void adopt(const Node& node, const NodeSamples& surface, const Plane& plane) {
     planes_.push_back(plane);
-    const int id = static_cast<int>(planes_.size()) - 1;
-    for (const Member& member : members) {
-      plane_of_[member.index] = id;
-      units_[member.index] = std::clamp<std::int64_t>(plane.at(member.x, member.y), 0, kLargestUnits);
-    }
-    last_units_ = units_[members.front().index];
+    const int id = static_cast<int>(planes_.size()) - 1, last = node.size - 1;
+    for (int y = surface.first_row; y < surface.end_row; ++y)
+      if (surface.rows[y] >> last & 1) plane_of_[index(node.x + last, node.y + y)] = id;
+    for (std::uint32_t row = surface.rows[last]; row != 0; row &= row - 1)
+      plane_of_[index(node.x + std::countr_zero(row), node.y + last)] = id;
+    last_units_ = units_at(plane, node.x + std::countr_zero(surface.rows[surface.first_row]), node.y + surface.first_row);
   }
+  static std::int64_t units_at(const Plane& plane, int x, int y) { return std::clamp<std::int64_t>(plane.at(x, y), 0, kLargestUnits); }
 
   const Tile& tile_;
-  const AreaCounts covered_, cut_right_, cut_down_;
+  const TileBits& bits_;
   TileNeighbours neighbours_;
-  std::vector<std::int64_t> units_;
   std::vector<int> plane_of_;
-  std::vector<int> label_;
-  std::vector<Member> open_;
   std::vector<Plane> planes_;
   std::int64_t last_units_ = 0;
   Contexts contexts_;
@@ -192,10 +99,10 @@ class PlaneTree {
 
 class DisparityEncoder : PlaneTree {
  public:
-  explicit DisparityEncoder(const Tile& tile) : PlaneTree(tile), units_per_disparity_(256.0 / tile.disparity_tolerance) {}
+  DisparityEncoder(const Tile& tile, const TileBits& bits) : PlaneTree(tile, bits), units_per_disparity_(256.0 / tile.disparity_tolerance) {}
 
   Bytes run() {
-    for (const Node& root : roots()) encode(root);
+    each_root([&](const Node& root) { encode(root); });
     return coder_.finish();
   }
 
@@ -203,40 +110,45 @@ class DisparityEncoder : PlaneTree {
   double wanted(int i) const { return static_cast<double>(tile_.disparity[i]) * units_per_disparity_; }
 
   void encode(const Node& node) {
-    if (is_empty(node)) return;
-    if (node.size > kSmallestNode && is_hopeless(node)) {
-      coder_.put(true, contexts_.split[size_class(node.size)]);
-      each_child(node, [&](const Node& child) { encode(child); });
+    if (is_empty(bits_, node)) return;
+    const bool may_split = node.size > kSmallestNode;
+    if (may_split && is_hopeless(node)) return split(node);
+    if (is_whole(bits_, node)) {
+      Plane plane;
+      const bool fits = fit_whole(node, plane);
+      if (may_split && !fits) return split(node);
+      if (may_split) coder_.put(false, contexts_.split[size_class(node.size)]);
+      put_surface(node, NodeSamples::whole(node.size), fits, plane);
       return;
     }
-    std::vector<std::vector<Member>> surfaces;
-    find_surfaces(node, surfaces);
-    std::vector<Plane> planes(surfaces.size());
-    std::vector<char> fits(surfaces.size());
-    bool all_fit = true;
-    for (std::size_t k = 0; k < surfaces.size(); ++k) {
-      fits[k] = fit(node, surfaces[k], planes[k]);
-      all_fit = all_fit && fits[k];
-      if (!all_fit && node.size > kSmallestNode) break;
+    std::size_t count = 0;
+    NodeSurfaces surfaces(bits_, node);
+    for (NodeSamples surface; surfaces.next(surface); ++count) {
+      if (found_.size() == count) found_.emplace_back();
+      Found& found = found_[count];
+      found.fits = fit(node, surface, found.plane);
+      if (may_split && !found.fits) return split(node);
+      found.samples = surface;
     }
-    if (node.size > kSmallestNode) {
-      const bool split = !all_fit;
-      coder_.put(split, contexts_.split[size_class(node.size)]);
-      if (split) {
-        each_child(node, [&](const Node& child) { encode(child); });
-        return;
-      }
-    }
-    for (std::size_t k = 0; k < surfaces.size(); ++k) put_surface(node, surfaces[k], fits[k], planes[k]);
+    if (may_split) coder_.put(false, contexts_.split[size_class(node.size)]);
+    for (std::size_t k = 0; k < count; ++k) put_surface(node, found_[k].samples, found_[k].fits, found_[k].plane);
+  }
+  void split(const Node& node) {
+    coder_.put(true, contexts_.split[size_class(node.size)]);
+    each_child(node, [&](const Node& child) { encode(child); });
   }
 
-  // A whole node whose corners, edge middles and centre leave one plane by far cannot be one: no need to fit it.
-  // Over a plane the second differences vanish; rounding and tolerance allow four tolerances (256 units each).
+  // A node with a whole part whose corners, edge middles and centre leave one plane by far cannot be planes: no need to fit
+  // any. Over a plane the second differences vanish; rounding and tolerance allow four tolerances (256 units each).
   bool is_hopeless(const Node& n) const {
-    if (!is_whole(n)) return false;
-    const int x2 = n.x_end - 1, y2 = n.y_end - 1, xm = n.x + (x2 - n.x) / 2, ym = n.y + (y2 - n.y) / 2;
-    if ((x2 - n.x) % 2 != 0 || (y2 - n.y) % 2 != 0) return is_bent(n.x, n.y, xm, ym, 2 * xm - n.x, 2 * ym - n.y);
-    return is_bent(n.x, n.y, xm, ym, x2, y2);
+    if (is_whole(bits_, n)) {
+      const int middle = (n.size - 1) / 2;
+      return is_bent(n.x, n.y, n.x + middle, n.y + middle, n.x + 2 * middle, n.y + 2 * middle);
+    }
+    if (n.size == kSmallestNode) return false;
+    bool is_any = false;
+    each_child(n, [&](const Node& child) { is_any = is_any || is_hopeless(child); });
+    return is_any;
   }
   bool is_bent(int x0, int y0, int xm, int ym, int x2, int y2) const {
     const auto d = [&](int x, int y) { return wanted(index(x, y)); };
@@ -245,54 +157,43 @@ class DisparityEncoder : PlaneTree {
            bent(d(x0, y0), d(xm, ym), d(x2, y2)) || bent(d(x2, y0), d(xm, ym), d(x0, y2));
   }
 
-  // Least squares over the surface's samples, recentred between the extremes, then rounded as it will be coded.
-  bool fit(const Node& node, const std::vector<Member>& members, Plane& plane) const {
-    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, sd = 0, sxd = 0, syd = 0;
-    for (const Member& member : members) {
-      const double x = member.x - node.x, y = member.y - node.y, d = wanted(member.index);
-      n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y, syy += y * y, sd += d, sxd += x * d, syd += y * d;
-    }
-    const double mx = sx / n, my = sy / n, md = sd / n;
-    const double cxx = sxx / n - mx * mx, cxy = sxy / n - mx * my, cyy = syy / n - my * my;
-    const double cxd = sxd / n - mx * md, cyd = syd / n - my * md;
-    const double determinant = cxx * cyy - cxy * cxy;
-    double gx = 0, gy = 0;
-    // Sample positions are integers: a determinant below 1/1024 means that they lie on one line (or are one point).
-    if (determinant > 1.0 / 1024) {
-      gx = (cxd * cyy - cyd * cxy) / determinant;
-      gy = (cyd * cxx - cxd * cxy) / determinant;
-    } else if (cxx + cyy > 1.0 / 1024) {
-      const double along = (cxd + cyd) / (cxx + cyy + 2 * std::abs(cxy));
-      gx = cxx > 1.0 / 1024 ? along : 0, gy = cyy > 1.0 / 1024 ? (cxy < 0 ? -along : along) : 0;
-      if (cxy < 0) {
-        const double slope = (cxd - cyd) / (cxx + cyy - 2 * cxy);
-        gx = slope, gy = -slope;
-      }
-    }
-    const int shift = slope_shift(node.size);
-    const auto quantised = [&](double value, int s) {
-      return static_cast<std::int64_t>(std::llround(std::ldexp(value, -s))) * (std::int64_t{1} << s);
-    };
-    if (!(std::abs(gx) < 1e9 && std::abs(gy) < 1e9)) return false;
-    plane.gx = quantised(gx, shift), plane.gy = quantised(gy, shift);
-    double low = 1e300, high = -1e300;
-    for (const Member& member : members) {
-      const double rest = wanted(member.index) - static_cast<double>(plane.gx * (member.x - node.x) + plane.gy * (member.y - node.y));
-      low = std::min(low, rest), high = std::max(high, rest);
-    }
-    const std::int64_t corner = quantised(0.5 * (low + high), kOffsetShift);
-    plane.c = corner - plane.gx * node.x - plane.gy * node.y;
-    // One unit below the tolerance absorbs the float the decoder rounds to.
-    return std::max(high - static_cast<double>(corner), static_cast<double>(corner) - low) <= 255.0;
+  bool fit_whole(const Node& node, Plane& plane) const {
+    const float* first = &tile_.disparity[index(node.x, node.y)];
+    return of_size(node.size, [&](auto whole) {
+      return fit_plane(
+          node, whole.moments(first, tile_.width, units_per_disparity_),
+          [&](double gx, double gy) { return whole.rest(first, tile_.width, units_per_disparity_, gx, gy); }, plane);
+    });
   }
 
-  void put_surface(const Node& node, const std::vector<Member>& members, bool is_plane, const Plane& plane) {
+  bool fit(const Node& node, const NodeSamples& surface, Plane& plane) const {
+    Moments m;
+    const auto each_member = [&](auto visit) {
+      surface.each_run([&](int y, int first, int end) {
+        for (int x = first; x < end; ++x) visit(x, y, wanted(index(node.x + x, node.y + y)));
+      });
+    };
+    each_member([&](double x, double y, double d) {
+      m.n += 1, m.sx += x, m.sy += y, m.sxx += x * x, m.sxy += x * y, m.syy += y * y, m.sd += d, m.sxd += x * d, m.syd += y * d;
+    });
+    const auto rest = [&](double gx, double gy) {
+      Range range;
+      each_member([&](double x, double y, double d) {
+        const double left = d - (gx * x + gy * y);
+        range.low = std::min(range.low, left), range.high = std::max(range.high, left);
+      });
+      return range;
+    };
+    return fit_plane(node, m, rest, plane);
+  }
+
+  void put_surface(const Node& node, const NodeSamples& surface, bool is_plane, const Plane& plane) {
     bool is_connected = false;
-    const Plane guess = predict(members, is_connected);
+    const Plane guess = predict(node, surface, is_connected);
     const int kind = size_class(node.size) * 2 + is_connected;
     if (node.size == kSmallestNode) coder_.put(is_plane, contexts_.is_plane[is_connected]);
     if (!is_plane) {
-      put_levels(members);
+      put_levels(node, surface);
       return;
     }
     const int shift = slope_shift(node.size);
@@ -301,54 +202,63 @@ class DisparityEncoder : PlaneTree {
     const std::int64_t corner = plane.at(node.x, node.y) >> kOffsetShift;
     put_integer(coder_, static_cast<std::int32_t>(corner - round_shift(guess.at(node.x, node.y), kOffsetShift)),
                 contexts_.offset[kind]);
-    adopt(members, plane);
+    adopt(node, surface, plane);
   }
 
-  void put_levels(const std::vector<Member>& members) {
-    for (std::size_t k = 0; k < members.size(); ++k) {
-      const std::int64_t level = std::llround(wanted(members[k].index) / static_cast<double>(kLevel));
-      put_integer(coder_, static_cast<std::int32_t>(level - (last_units_ + kLevel / 2) / kLevel), contexts_.level[k > 0]);
-      last_units_ = units_[members[k].index] = level * kLevel;
-    }
+  void put_levels(const Node& node, const NodeSamples& surface) {
+    int kind = 0;  // of the first sample, and of all others
+    surface.each_run([&](int y, int first, int end) {
+      for (int x = first; x < end; ++x) {
+        const std::int64_t level = std::llround(wanted(index(node.x + x, node.y + y)) / static_cast<double>(kLevel));
+        put_integer(coder_, static_cast<std::int32_t>(level - (last_units_ + kLevel / 2) / kLevel), contexts_.level[kind]);
+        kind = 1;
+        last_units_ = level * kLevel;
+      }
+    });
   }
+
+  struct Found {
+    NodeSamples samples;
+    Plane plane;
+    bool fits = false;
+  };
 
   double units_per_disparity_;
   BitEncoder coder_;
+  std::vector<Found> found_;  // of the node being coded
 };
 
 class DisparityDecoder : PlaneTree {
  public:
-  DisparityDecoder(ByteView bytes, Tile& tile) : PlaneTree(tile), coder_(bytes), target_(tile) {}
+  DisparityDecoder(ByteView bytes, const TileBits& bits, Tile& tile)
+      : PlaneTree(tile, bits), coder_(bytes), target_(tile), disparity_per_unit_(static_cast<double>(tile.disparity_tolerance) / 256.0) {}
 
   void run() {
-    for (const Node& root : roots()) decode(root);
-    const double disparity_per_unit = static_cast<double>(tile_.disparity_tolerance) / 256.0;
-    target_.disparity.resize(tile_.samples());
-    for (std::size_t i = 0; i < units_.size(); ++i)
-      target_.disparity[i] = static_cast<float>(static_cast<double>(units_[i]) * disparity_per_unit);
+    target_.disparity.assign(tile_.samples(), 0.0f);
+    each_root([&](const Node& root) { decode(root); });
   }
 
  private:
   void decode(const Node& node) {
-    if (is_empty(node)) return;
+    if (is_empty(bits_, node)) return;
     if (node.size > kSmallestNode && coder_.get(contexts_.split[size_class(node.size)])) {
       each_child(node, [&](const Node& child) { decode(child); });
       return;
     }
-    std::vector<std::vector<Member>> surfaces;
-    find_surfaces(node, surfaces);
-    for (const std::vector<Member>& members : surfaces) get_surface(node, members);
+    if (is_whole(bits_, node)) {
+      get_surface(node, NodeSamples::whole(node.size));
+      return;
+    }
+    NodeSurfaces surfaces(bits_, node);
+    for (NodeSamples surface; surfaces.next(surface);) get_surface(node, surface);
   }
 
-  void get_surface(const Node& node, const std::vector<Member>& members) {
+  void get_surface(const Node& node, const NodeSamples& surface) {
     bool is_connected = false;
-    const Plane guess = predict(members, is_connected);
+    const Plane guess = predict(node, surface, is_connected);
     const int kind = size_class(node.size) * 2 + is_connected;
     if (node.size == kSmallestNode && !coder_.get(contexts_.is_plane[is_connected])) {
-      for (std::size_t k = 0; k < members.size(); ++k) {
-        const std::int64_t level = (last_units_ + kLevel / 2) / kLevel + get_integer(coder_, contexts_.level[k > 0]);
-        last_units_ = units_[members[k].index] = std::clamp<std::int64_t>(level * kLevel, 0, kLargestUnits);
-      }
+      get_levels(node, surface);
       return;
     }
     const int shift = slope_shift(node.size);
@@ -360,17 +270,36 @@ class DisparityDecoder : PlaneTree {
         bounded((round_shift(guess.at(node.x, node.y), kOffsetShift) + get_integer(coder_, contexts_.offset[kind])) *
                 (std::int64_t{1} << kOffsetShift));
     plane.c = bounded(corner - plane.gx * node.x - plane.gy * node.y);
-    adopt(members, plane);
+    adopt(node, surface, plane);
+    surface.each_run([&](int y, int first, int end) {
+      for (int x = first; x < end; ++x) set(node, x, y, units_at(plane, node.x + x, node.y + y));
+    });
+  }
+
+  void get_levels(const Node& node, const NodeSamples& surface) {
+    int kind = 0;  // of the first sample, and of all others
+    surface.each_run([&](int y, int first, int end) {
+      for (int x = first; x < end; ++x) {
+        const std::int64_t level = (last_units_ + kLevel / 2) / kLevel + get_integer(coder_, contexts_.level[kind]);
+        kind = 1;
+        last_units_ = std::clamp<std::int64_t>(level * kLevel, 0, kLargestUnits);
+        set(node, x, y, last_units_);
+      }
+    });
+  }
+  void set(const Node& node, int x, int y, std::int64_t units) {
+    target_.disparity[index(node.x + x, node.y + y)] = static_cast<float>(static_cast<double>(units) * disparity_per_unit_);
   }
 
   BitDecoder coder_;
   Tile& target_;
+  double disparity_per_unit_;
 };
 
 }  // namespace
 
-Bytes encode_disparity(const Tile& tile) { return DisparityEncoder(tile).run(); }
+Bytes encode_disparity(const Tile& tile, const TileBits& bits) { return DisparityEncoder(tile, bits).run(); }
 
-void decode_disparity(ByteView bytes, Tile& tile) { DisparityDecoder(bytes, tile).run(); }
+void decode_disparity(ByteView bytes, const TileBits& bits, Tile& tile) { DisparityDecoder(bytes, bits, tile).run(); }
 
 }  // namespace farfield

@@ -7,15 +7,16 @@
 #pragma once
 
 #include "common/base/bytes.h"
-#include "common/impostor/tile.h"
+#include "common/codec/tile_bits.h"
 
 namespace farfield {
 
-/// Requires: coverage and cuts as decode_topology will return them, disparity >= 0, tolerance > 0.
+/// Requires: coverage and cuts as decode_topology will return them (`bits`: theirs), disparity >= 0, tolerance > 0, sides
+/// of whole nodes.
 /// Guarantee: |decoded - tile.disparity| <= tile.disparity_tolerance for every covered sample.
-Bytes encode_disparity(const Tile& tile);
-/// Fills tile.disparity; coverage, cuts and disparity_tolerance are set. Any bytes give some finite disparities >= 0;
+Bytes encode_disparity(const Tile& tile, const TileBits& bits);
+/// Fills tile.disparity; coverage, cuts (`bits`: theirs) and disparity_tolerance are set. Any bytes give some finite disparities >= 0;
 /// uncovered samples get 0.
-void decode_disparity(ByteView bytes, Tile& tile);
+void decode_disparity(ByteView bytes, const TileBits& bits, Tile& tile);
 
 }  // namespace farfield

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "common/codec/bit_coder.h"
-#include "common/impostor/tile_neighbours.h"
 
 namespace farfield {
 namespace {
@@ -93,10 +93,41 @@ std::vector<Base> get_bases(ByteView bytes, std::int32_t count) {
   return bases;
 }
 
+// Samples of a run that are taken at once, and their bytes.
+constexpr int kTogether = 8, kBytes = 3 * kTogether;
+
 struct ColourRange {
   std::array<std::uint32_t, 3> sum{};
   std::array<std::uint8_t, 3> low{255, 255, 255}, high{};
   std::uint32_t samples = 0;
+
+  // Requires: count of one run, so that lanes of 16 bits hold its sums.
+  void add(const std::uint8_t* rgb, int count) {
+    static_assert(kTileSamples / kTogether * 255 <= 0xffff);
+    samples += static_cast<std::uint32_t>(count);
+    int i = 0;
+    if (count >= kTogether) {
+      std::array<std::uint16_t, kBytes> sums{};
+      std::array<std::uint8_t, kBytes> least, most{};
+      least.fill(255);
+      for (; i + kTogether <= count; i += kTogether)
+        for (int k = 0; k < kBytes; ++k) {
+          const std::uint8_t value = rgb[3 * i + k];
+          sums[k] = static_cast<std::uint16_t>(sums[k] + value);
+          least[k] = std::min(least[k], value), most[k] = std::max(most[k], value);
+        }
+      for (int k = 0; k < kBytes; ++k) {
+        sum[k % 3] += sums[k];
+        low[k % 3] = std::min(low[k % 3], least[k]), high[k % 3] = std::max(high[k % 3], most[k]);
+      }
+    }
+    for (; i < count; ++i)
+      for (int c = 0; c < 3; ++c) {
+        const std::uint8_t value = rgb[3 * i + c];
+        sum[c] += value;
+        low[c] = std::min(low[c], value), high[c] = std::max(high[c], value);
+      }
+  }
 };
 
 Base base_of(const ColourRange& range) {
@@ -109,57 +140,114 @@ Base base_of(const ColourRange& range) {
   return base;
 }
 
+// Adds one difference to all samples of a run, clamped.
+void shift_run(const std::uint8_t* from, int count, const std::array<int, 3>& difference, std::uint8_t* to) {
+  std::array<std::int16_t, kBytes> differences;
+  for (std::size_t k = 0; k < differences.size(); ++k) differences[k] = static_cast<std::int16_t>(difference[k % 3]);
+  const auto shifted = [](std::uint8_t value, std::int16_t by) {
+    const std::int16_t sum = static_cast<std::int16_t>(value + by);
+    return static_cast<std::uint8_t>(sum < 0 ? 0 : sum > 255 ? 255 : sum);
+  };
+  int i = 0;
+  for (; i + kTogether <= count; i += kTogether)
+    for (int k = 0; k < kBytes; ++k) to[3 * i + k] = shifted(from[3 * i + k], differences[k]);
+  for (; i < count; ++i)
+    for (int c = 0; c < 3; ++c) to[3 * i + c] = shifted(from[3 * i + c], differences[c]);
+}
+
+// Union-find over runs: the root of a set is its first run.
+class RunSets {
+ public:
+  void add() { parent_.push_back(static_cast<std::int32_t>(parent_.size())); }
+  std::int32_t root_of(std::int32_t run) {
+    while (parent_[run] != run) run = parent_[run] = parent_[parent_[run]];
+    return run;
+  }
+  void join(std::int32_t a, std::int32_t b) {
+    a = root_of(a), b = root_of(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::int32_t> parent_;
+};
+
+// The runs of a tile, each of joined samples. In packed tiles a run ends with its block: the next in the image may lie
+// elsewhere on the face.
+std::vector<Surfaces::Run> find_runs(const Tile& tile, const TileBits& bits, const std::vector<std::uint64_t>& joined_right) {
+  const BlockGrid& grid = bits.grid();
+  std::vector<Surfaces::Run> runs;
+  for (int y = 0; y < tile.height; ++y) {
+    bool goes_on = false;  // the last run reaches into this block
+    for (int column = 0; column < grid.columns(); ++column) {
+      const int block = y / kBlockSamples * grid.columns() + column, shift = y % kBlockSamples * kBlockSamples;
+      const unsigned joined = joined_right[block] >> shift & 0xff;
+      for (unsigned covered = bits[block].covered >> shift & 0xff; covered != 0;) {
+        const int x = std::countr_zero(covered), count = std::min(std::countr_one(joined >> x) + 1, kBlockSamples - x);
+        if (!goes_on) runs.push_back({y * tile.width + column * kBlockSamples + x, 0, -1});
+        runs.back().count += count;
+        goes_on = !tile.is_packed() && x + count == kBlockSamples && joined >> 7;
+        covered = covered >> (x + count) << (x + count);
+      }
+    }
+  }
+  return runs;
+}
+
 }  // namespace
 
-Surfaces find_surfaces(const Tile& tile) {
-  // Union-find over the tile in raster order; the root of a set is its first sample.
-  const TileNeighbours neighbours(tile);
-  const auto size = static_cast<std::int32_t>(tile.samples());
-  std::vector<std::int32_t> parent(static_cast<std::size_t>(size));
-  const auto root_of = [&](std::int32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  const auto join = [&](std::int32_t a, std::int32_t b) {
-    a = root_of(a), b = root_of(b);
-    parent[std::max(a, b)] = std::min(a, b);
-  };
-  for (std::int32_t i = 0; i < size; ++i) parent[i] = i;
-  for (std::int32_t i = 0; i < size; ++i) {
-    if (!tile.coverage[i]) continue;
-    if (const int right = neighbours.right(i); right >= 0 && tile.coverage[right] && tile.cut_right[i] == kConnected) join(i, right);
-    if (const int down = neighbours.down(i); down >= 0 && tile.coverage[down] && tile.cut_down[i] == kConnected) join(i, down);
-  }
+Surfaces find_surfaces(const Tile& tile, const TileBits& bits) {
+  const BlockGrid& grid = bits.grid();
+  std::vector<std::uint64_t> joined_right(static_cast<std::size_t>(grid.size()));
+  for (int block = 0; block < grid.size(); ++block) joined_right[block] = bits.joined_right(block);
   Surfaces surfaces;
-  surfaces.of_sample.assign(static_cast<std::size_t>(size), -1);
-  for (std::int32_t i = 0; i < size; ++i) {
-    if (!tile.coverage[i]) continue;
-    const std::int32_t root = root_of(i);
-    surfaces.of_sample[i] = root == i ? surfaces.count++ : surfaces.of_sample[root];
+  surfaces.runs = find_runs(tile, bits, joined_right);
+  std::vector<std::int32_t>& run_of = surfaces.of_sample;  // until the runs are joined
+  run_of.assign(tile.samples(), -1);
+  RunSets sets;
+  for (std::size_t run = 0; run < surfaces.runs.size(); ++run) {
+    sets.add();
+    std::fill_n(&run_of[surfaces.runs[run].first], surfaces.runs[run].count, static_cast<std::int32_t>(run));
+  }
+  // Index of sample k of a block.
+  const auto sample = [&](int block, int k) { return grid.first_sample(block) + k / kBlockSamples * tile.width + k % kBlockSamples; };
+  for (int block = 0; block < grid.size(); ++block) {
+    const BlockGrid::Beside& beside = grid.beside(block);
+    const std::uint64_t below = bits.joined_below(block), right = joined_right[block];
+    // Two runs that touch in several samples in a row are joined at the first.
+    const std::uint64_t again = below & right & bits_below(right, beside.below < 0 ? 0 : joined_right[beside.below]);
+    for (std::uint64_t todo = below & ~(again << 1 & ~kFirstColumn); todo != 0; todo &= todo - 1) {
+      const int k = std::countr_zero(todo);
+      sets.join(run_of[sample(block, k)], run_of[k < 56 ? sample(block, k + 8) : sample(beside.below, k - 56)]);
+    }
+    if (!tile.is_packed()) continue;
+    for (std::uint64_t todo = right & kLastColumn; todo != 0; todo &= todo - 1) {
+      const int k = std::countr_zero(todo);
+      sets.join(run_of[sample(block, k)], run_of[sample(beside.right, k - 7)]);
+    }
+  }
+  for (std::size_t run = 0; run < surfaces.runs.size(); ++run) {
+    Surfaces::Run& own = surfaces.runs[run];
+    const auto root = static_cast<std::size_t>(sets.root_of(static_cast<std::int32_t>(run)));
+    own.surface = root == run ? surfaces.count++ : surfaces.runs[root].surface;
+    std::fill_n(&surfaces.of_sample[own.first], own.count, own.surface);
   }
   return surfaces;
 }
 
 Bytes take_out_base_colours(const Surfaces& surfaces, std::vector<std::uint8_t>& rgb) {
   std::vector<ColourRange> ranges(static_cast<std::size_t>(surfaces.count));
-  for (std::size_t i = 0; i < surfaces.of_sample.size(); ++i) {
-    if (surfaces.of_sample[i] < 0) continue;
-    ColourRange& range = ranges[surfaces.of_sample[i]];
-    ++range.samples;
-    for (int c = 0; c < 3; ++c) {
-      const std::uint8_t value = rgb[3 * i + c];
-      range.sum[c] += value;
-      range.low[c] = std::min(range.low[c], value), range.high[c] = std::max(range.high[c], value);
-    }
-  }
+  for (const Surfaces::Run& run : surfaces.runs) ranges[run.surface].add(&rgb[3 * std::size_t(run.first)], run.count);
   std::vector<Base> bases;
   bases.reserve(ranges.size());
   for (const ColourRange& range : ranges) bases.push_back(base_of(range));
-  for (std::size_t i = 0; i < surfaces.of_sample.size(); ++i) {
-    const std::int32_t surface = surfaces.of_sample[i];
-    for (int c = 0; c < 3; ++c)
-      rgb[3 * i + c] = surface < 0 ? 128 : static_cast<std::uint8_t>(std::clamp(rgb[3 * i + c] - kStep * bases[surface][c] + 128, 0, 255));
+  std::vector<std::uint8_t> left(rgb.size(), 128);
+  for (const Surfaces::Run& run : surfaces.runs) {
+    const Base& base = bases[run.surface];
+    shift_run(&rgb[3 * std::size_t(run.first)], run.count, {128 - kStep * base[0], 128 - kStep * base[1], 128 - kStep * base[2]},
+              &left[3 * std::size_t(run.first)]);
   }
+  rgb = std::move(left);
   BitEncoder coder;
   put_bases(bases, coder);
   return coder.finish();
@@ -167,10 +255,10 @@ Bytes take_out_base_colours(const Surfaces& surfaces, std::vector<std::uint8_t>&
 
 void put_back_base_colours(ByteView bytes, const Surfaces& surfaces, std::vector<std::uint8_t>& rgb) {
   const std::vector<Base> bases = get_bases(bytes, surfaces.count);
-  for (std::size_t i = 0; i < surfaces.of_sample.size(); ++i) {
-    if (surfaces.of_sample[i] < 0) continue;
-    for (int c = 0; c < 3; ++c)
-      rgb[3 * i + c] = static_cast<std::uint8_t>(std::clamp(rgb[3 * i + c] + kStep * bases[surfaces.of_sample[i]][c] - 128, 0, 255));
+  for (const Surfaces::Run& run : surfaces.runs) {
+    const Base& base = bases[run.surface];
+    std::uint8_t* first = &rgb[3 * std::size_t(run.first)];
+    shift_run(first, run.count, {kStep * base[0] - 128, kStep * base[1] - 128, kStep * base[2] - 128}, first);
   }
 }
 

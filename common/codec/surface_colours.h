@@ -8,19 +8,24 @@
 #pragma once
 
 #include "common/base/bytes.h"
-#include "common/impostor/tile.h"
+#include "common/codec/tile_bits.h"
 
 namespace farfield {
 
 /// Surfaces of a tile: maximal sets of covered samples joined by uncut connections, on the face, so also across packed
 /// blocks. Numbered in raster order of their first samples.
 struct Surfaces {
+  /// Samples side by side in a row of the tile's arrays.
+  struct Run {
+    std::int32_t first, count, surface;
+  };
+  std::vector<Run> runs;                // all covered samples, in raster order
   std::vector<std::int32_t> of_sample;  // -1: uncovered
   std::int32_t count = 0;
 };
 
-/// Needs coverage and cuts only. O(samples).
-Surfaces find_surfaces(const Tile& tile);
+/// `bits`: of the tile. O(samples).
+Surfaces find_surfaces(const Tile& tile, const TileBits& bits);
 
 /// Replaces each covered colour by its difference from its surface's base colour, plus 128; the base is chosen so that
 /// this stays within a byte (within three levels, if a surface holds both black and white). Uncovered samples become the

@@ -95,10 +95,11 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
   ByteWriter out;
   put_header(out, tile, encoding.jpeg_quality);
   if (tile.is_packed()) put_blocks(out, tile);
-  Bytes topology = encode_topology(tile);
-  Bytes disparity = encode_disparity(tile);
+  const TileBits bits(tile);
+  Bytes topology = encode_topology(tile, bits);
+  Bytes disparity = encode_disparity(tile, bits);
   std::vector<std::uint8_t> rgb = tile.rgb;
-  const Bytes bases = take_out_base_colours(find_surfaces(tile), rgb);
+  const Bytes bases = take_out_base_colours(find_surfaces(tile, bits), rgb);
   Result<Bytes> colour = encode_colour(rgb, tile.width, tile.height, encoding.jpeg_quality);
   if (!colour) return tl::unexpected(colour.error());
   const std::uint32_t covered = static_cast<std::uint32_t>(std::count(tile.coverage.begin(), tile.coverage.end(), 1));
@@ -137,8 +138,9 @@ Result<Tile> decode_tile(ByteView bytes, const TileLimits& limits) {
   if (!rgb) return tl::unexpected(rgb.error());
   tile.rgb = std::move(*rgb);
   decode_topology(topology, tile);
-  put_back_base_colours(bases, find_surfaces(tile), tile.rgb);
-  decode_disparity(disparity, tile);
+  const TileBits bits(tile);
+  put_back_base_colours(bases, find_surfaces(tile, bits), tile.rgb);
+  decode_disparity(disparity, bits, tile);
   return tile;
 }
 

@@ -22,7 +22,7 @@ Tile striped_tile(int size) {
 TEST(SurfaceColours, SurfacesAreNumberedByTheirFirstSamples) {
   Tile tile = striped_tile(12);
   tile.coverage[0] = 0;
-  const Surfaces surfaces = find_surfaces(tile);
+  const Surfaces surfaces = find_surfaces(tile, TileBits(tile));
   EXPECT_EQ(surfaces.count, 2);  // four stripes in two bridged pairs
   EXPECT_EQ(surfaces.of_sample[0], -1);
   EXPECT_EQ(surfaces.of_sample[1], 0);
@@ -33,7 +33,7 @@ TEST(SurfaceColours, SurfacesAreNumberedByTheirFirstSamples) {
 
 TEST(SurfaceColours, TakingOutAndPuttingBackIsExactWhileAColourSpansLessThanTheWholeRange) {
   const Tile tile = striped_tile(30);
-  const Surfaces surfaces = find_surfaces(tile);
+  const Surfaces surfaces = find_surfaces(tile, TileBits(tile));
   std::mt19937 random(5);
   std::vector<std::uint8_t> rgb(3 * tile.samples());
   for (std::size_t i = 0; i < tile.samples(); ++i)
@@ -50,7 +50,7 @@ TEST(SurfaceColours, BlackAndWhiteOnOneSurfaceComeBackWithinThreeLevels) {
   Tile tile;
   tile.width = 2, tile.height = 1;
   tile.coverage = {1, 1}, tile.cut_right = {0, 0}, tile.cut_down = {0, 0};
-  const Surfaces surfaces = find_surfaces(tile);
+  const Surfaces surfaces = find_surfaces(tile, TileBits(tile));
   const std::vector<std::uint8_t> rgb{0, 0, 0, 255, 255, 255};
   std::vector<std::uint8_t> left = rgb;
   const Bytes bases = take_out_base_colours(surfaces, left);
@@ -60,7 +60,7 @@ TEST(SurfaceColours, BlackAndWhiteOnOneSurfaceComeBackWithinThreeLevels) {
 
 TEST(SurfaceColours, FlatSurfacesLeaveAFlatImageAndFewBytes) {
   const Tile tile = striped_tile(120);
-  const Surfaces surfaces = find_surfaces(tile);
+  const Surfaces surfaces = find_surfaces(tile, TileBits(tile));
   std::vector<std::uint8_t> rgb;
   for (std::size_t i = 0; i < tile.samples(); ++i)
     for (const int value : {40, 80, 160}) rgb.push_back(static_cast<std::uint8_t>(value + surfaces.of_sample[i] % 4 * 16));
@@ -71,7 +71,7 @@ TEST(SurfaceColours, FlatSurfacesLeaveAFlatImageAndFewBytes) {
 
 TEST(SurfaceColours, DamagedBytesGiveSomeColours) {
   const Tile tile = striped_tile(30);
-  const Surfaces surfaces = find_surfaces(tile);
+  const Surfaces surfaces = find_surfaces(tile, TileBits(tile));
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {
     Bytes bytes(random() % 40);
