@@ -11,7 +11,51 @@ namespace {
 struct Edge {
   int first, second;
   bool is_down;
+  std::uint64_t square;  // of the face, in raster order
 };
+
+std::uint64_t square_of(int i, int j) {
+  constexpr int kSquare = 8;
+  return static_cast<std::uint64_t>(j / kSquare) << 32 | static_cast<std::uint32_t>(i / kSquare);
+}
+
+// Edges of a sample to the right and downwards.
+constexpr std::uint8_t kRight = 1, kDown = 2, kBoth = kRight | kDown;
+
+// Edges that need no further question, as most: both ends lie on each other's planes, or neither is covered. `step`: from a
+// sample to the next in the tile's arrays; sets `edge` in settled[first sample].
+void settle(const SampleArrays& samples, const std::vector<float>& gradient, const std::vector<std::uint8_t>& coverage, std::size_t step,
+            float one_sample, std::uint8_t edge, std::vector<std::uint8_t>& settled) {
+  constexpr std::size_t kTogether = 16;
+  const auto settle_some = [&](std::size_t first, std::size_t count) {
+    const float *a = &samples.disparity[first], *b = a + step, *ga = &gradient[first], *gb = ga + step;
+    const std::uint8_t *covered_a = &coverage[first], *covered_b = covered_a + step;
+    std::int32_t is_settled[kTogether];
+    for (std::size_t k = 0; k < count; ++k) {
+      const int is_flat = (std::abs(a[k] + ga[k] - b[k]) <= one_sample) & (std::abs(b[k] - gb[k] - a[k]) <= one_sample);
+      is_settled[k] = (covered_a[k] & covered_b[k] & is_flat) | ((covered_a[k] | covered_b[k]) ^ 1);
+    }
+    for (std::size_t k = 0; k < count; ++k) settled[first + k] |= static_cast<std::uint8_t>(is_settled[k] * edge);
+  };
+  const std::size_t end = settled.size() > step ? settled.size() - step : 0;
+  std::size_t first = 0;
+  for (; first + kTogether <= end; first += kTogether) settle_some(first, kTogether);
+  if (first < end) settle_some(first, end - first);
+}
+
+// What lies beyond the last column or row of a dense tile or of a packed block is not the next in the tile's arrays.
+void open_borders(const Tile& tile, std::vector<std::uint8_t>& settled) {
+  const int size = tile.is_packed() ? kBlockSamples : 0;
+  for (int y = 0; y < tile.height; ++y) {
+    std::uint8_t* row = &settled[static_cast<std::size_t>(y) * tile.width];
+    for (int x = size - 1; size > 0 && x < tile.width; x += size) row[x] &= static_cast<std::uint8_t>(~kRight);
+    if (size > 0 && (y + 1) % size == 0)
+      for (int x = 0; x < tile.width; ++x) row[x] &= static_cast<std::uint8_t>(~kDown);
+    if (size == 0) row[tile.width - 1] |= kRight;
+    if (size == 0 && y + 1 == tile.height)
+      for (int x = 0; x < tile.width; ++x) row[x] |= kDown;
+  }
+}
 
 // Which end a ray between the two samples saw: the nearer guess of two planes, or the covered end if only one is.
 bool sees_first(const Edge& edge, const SampleArrays& s, float at, bool hit, float disparity) {
@@ -106,9 +150,9 @@ void find_cuts(const Scene& scene, const CellSpace& space, const ViewFrame& fram
                const std::vector<int>& sample_j, Tile& tile) {
   std::vector<Edge> edges;
   const float pitch = static_cast<float>(frame.pitch);
+  tile.cut_right.assign(tile.samples(), kConnected), tile.cut_down.assign(tile.samples(), kConnected);
   const auto classify = [&](int first, int second, bool is_down) {
     std::vector<std::uint8_t>& cuts = is_down ? tile.cut_down : tile.cut_right;
-    cuts[first] = kConnected;
     if (second < 0 || (!tile.coverage[first] && !tile.coverage[second])) return;
     const std::vector<float>& gradient = is_down ? samples.gradient_j : samples.gradient_i;
     const bool connected = samples.covered[first] && samples.covered[second] &&
@@ -116,23 +160,24 @@ void find_cuts(const Scene& scene, const CellSpace& space, const ViewFrame& fram
     if (!samples.known[first] || !samples.known[second]) {
       cuts[first] = tile.coverage[first] ? 8 : 1;  // the other end was left out because nobody can see it
     } else if (!connected) {
-      edges.push_back({first, second, is_down});
+      edges.push_back({first, second, is_down, square_of(sample_i[first], sample_j[first])});
     } else if (!tile.coverage[first] || !tile.coverage[second]) {
       cuts[first] = tile.coverage[first] ? 8 : 1;  // the other end is held by another view
     }
   };
-  const int size = static_cast<int>(tile.samples());
-  for (int index = 0; index < size; ++index) {
+  std::vector<std::uint8_t> settled(tile.samples(), 0);
+  settle(samples, samples.gradient_i, tile.coverage, 1, limits.one_sample, kRight, settled);
+  settle(samples, samples.gradient_j, tile.coverage, static_cast<std::size_t>(tile.width), limits.one_sample, kDown, settled);
+  open_borders(tile, settled);
+  const auto is_open = [](std::uint8_t edges_settled) { return edges_settled != kBoth; };
+  for (auto at = std::find_if(settled.begin(), settled.end(), is_open); at != settled.end(); at = std::find_if(at + 1, settled.end(), is_open)) {
+    const int index = static_cast<int>(at - settled.begin());
     if (sample_i[index] < 0) continue;
-    classify(index, neighbours.right(index), false);
-    classify(index, neighbours.down(index), true);
+    if (!(*at & kRight)) classify(index, neighbours.right(index), false);
+    if (!(*at & kDown)) classify(index, neighbours.down(index), true);
   }
   // In packets of neighbours: rays row by row would be 16 samples apart.
-  constexpr int kSquare = 8;
-  const auto square_of = [&](const Edge& edge) {
-    return std::pair(sample_j[edge.first] / kSquare, sample_i[edge.first] / kSquare);
-  };
-  std::stable_sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return square_of(a) < square_of(b); });
+  std::stable_sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return a.square < b.square; });
   bisect(scene, space, frame, samples, edges, sample_i, sample_j, tile);
 }
 

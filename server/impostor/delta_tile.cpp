@@ -274,7 +274,7 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   const std::size_t size = tile.samples();
   SampleArrays arrays(size);
   std::vector<int> sample_i(size, -1), sample_j(size, -1);
-  tile.coverage.assign(size, 0), tile.cut_right.assign(size, 0), tile.cut_down.assign(size, 0);
+  tile.coverage.assign(size, 0);
   for (std::size_t b = 0; b < full.size(); ++b)
     for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
       const int x = k % kBlockSamples, y = k / kBlockSamples;

@@ -40,7 +40,6 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
 
   tile.coverage = samples.covered;
   if (std::find(tile.coverage.begin(), tile.coverage.end(), 1) == tile.coverage.end()) return tile;
-  tile.cut_right.assign(size, 0), tile.cut_down.assign(size, 0);
   std::vector<int> sample_i(size), sample_j(size);
   for (int index = 0; index < static_cast<int>(size); ++index) {
     sample_i[index] = first_i + index % kTileSamples;
