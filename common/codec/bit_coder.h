@@ -6,6 +6,7 @@
 // Reading past the end yields zeros for ever, so decoders stay bounded by the number of symbols they ask for.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -20,24 +21,29 @@ struct BitContext {
   std::uint8_t seen = 0;
 
   void update(bool bit) {
-    constexpr int kSlowest = 31;
-    const std::int32_t target = bit ? kLeast : 65536 - kLeast;
-    zero = static_cast<std::uint16_t>(zero + (target - zero) * 2 / (2 * seen + 3));
-    if (seen < kSlowest) ++seen;
+    const std::uint32_t error = bit ? zero - std::uint32_t{kLeast} : 65536 - std::uint32_t{kLeast} - zero;
+    const auto step = static_cast<std::int32_t>(error * std::uint64_t{kReciprocals[seen]} >> 31);
+    zero = static_cast<std::uint16_t>(bit ? zero - step : zero + step);
+    seen = static_cast<std::uint8_t>(seen + (seen < kSlowest));
   }
+  static constexpr int kSlowest = 31;
   static constexpr std::int32_t kLeast = 64;  // no symbol ever costs more than ten bits, none less than 1/700
+
+  // 1/(2·seen + 3) in steps of 1/2^32, rounded up: quotients of anything below 2^25 are exact.
+  static constexpr std::array<std::uint32_t, kSlowest + 1> kReciprocals = [] {
+    std::array<std::uint32_t, kSlowest + 1> table{};
+    for (std::uint32_t seen = 0; seen <= kSlowest; ++seen)
+      table[seen] = static_cast<std::uint32_t>(((std::uint64_t{1} << 32) + 2 * seen + 2) / (2 * seen + 3));
+    return table;
+  }();
 };
 
 class BitEncoder {
  public:
   void put(bool bit, BitContext& context) {
     const std::uint32_t bound = (range_ >> 16) * context.zero;
-    if (!bit) {
-      range_ = bound;
-    } else {
-      low_ += bound;
-      range_ -= bound;
-    }
+    low_ += bit ? bound : 0;
+    range_ = bit ? range_ - bound : bound;
     context.update(bit);
     while (range_ < (1u << 24)) {
       range_ <<= 8;
