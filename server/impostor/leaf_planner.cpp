@@ -36,8 +36,12 @@ constexpr double kLeastIntraShare = 2e-6, kLeastDeltaShare = 4e-7;
 class ShellNeeds {
  public:
   ShellNeeds(const Scene& scene, CellSpace space, std::shared_ptr<const ShellViews> views, const ImpostorSettings& settings,
-             std::size_t enclosures)
-      : scene_(scene), space_(space), views_(std::move(views)), settings_(settings), seen_(enclosures + 1) {
+             const BoxVisibility& sight)
+      : scene_(scene), space_(space), views_(std::move(views)), settings_(settings), viewpoints_{sight.viewpoints}, seen_(sight.enclosures.size() + 1) {
+    for (const EnclosureVisibility& enclosed : sight.enclosures) {
+      viewpoints_.push_back(enclosed.viewpoints);
+      viewpoints_[0] -= enclosed.viewpoints;
+    }
     slack_ = disparity_tolerance(glm::dvec3(0), settings.kappa, settings.tau_px, settings.display) * (0.5 + settings.kappa);
   }
 
@@ -53,20 +57,20 @@ class ShellNeeds {
       });
     waiting_.clear();
   }
-  /// What `viewpoints` of one enclosure need, or (kWhole) all of them together.
+  /// What the viewpoints of one enclosure need, or (kWhole) all of them together.
   static constexpr int kWhole = -1;
-  void list(int enclosure, std::size_t viewpoints, std::vector<NeededTile>& tiles) const {
+  void list(int enclosure, std::vector<NeededTile>& tiles) const {
     std::map<TileId, double> seen;
-    for (std::size_t k = 0; k < seen_.size(); ++k)
-      if (enclosure == kWhole || static_cast<std::size_t>(enclosure) + 1 == k)
-        for (const auto& [id, solid_angle] : seen_[k]) seen[id] += solid_angle;
-    constexpr double kSphere = 4 * 3.14159265358979323846;
+    std::size_t viewpoints = 0;
+    for (std::size_t k = 0; k < seen_.size(); ++k) {
+      if (enclosure != kWhole && static_cast<std::size_t>(enclosure) + 1 != k) continue;
+      viewpoints += viewpoints_[k];
+      for (const auto& [id, solid_angle] : seen_[k])
+        if (is_worth_sending(id)) seen[id] += solid_angle;
+    }
     const double spheres = kSphere * static_cast<double>(std::max<std::size_t>(1, viewpoints));
     std::vector<NeededTile> mine;
-    for (const auto& [id, solid_angle] : seen) {
-      const double share = solid_angle / spheres;
-      if (share >= (id.is_delta() ? kLeastDeltaShare : kLeastIntraShare)) mine.push_back({id, static_cast<float>(share)});
-    }
+    for (const auto& [id, solid_angle] : seen) mine.push_back({id, static_cast<float>(solid_angle / spheres)});
     std::stable_sort(mine.begin(), mine.end(), [](const NeededTile& a, const NeededTile& b) {
       if (a.id.is_delta() != b.id.is_delta()) return b.id.is_delta();
       return a.view_share > b.view_share;
@@ -75,6 +79,15 @@ class ShellNeeds {
   }
 
  private:
+  static constexpr double kSphere = 4 * 3.14159265358979323846;
+
+  // Somebody sees enough of it: viewers in one of the enclosures, or in none.
+  bool is_worth_sending(const TileId& id) const {
+    const double least = kSphere * (id.is_delta() ? kLeastDeltaShare : kLeastIntraShare);
+    for (std::size_t k = 0; k < seen_.size(); ++k)
+      if (const auto found = seen_[k].find(id); found != seen_[k].end() && found->second >= least * static_cast<double>(viewpoints_[k])) return true;
+    return false;
+  }
   // The probe sends some hundred rays into each tile from each of its viewpoints: what none of them met is too small to
   // be worth a tile.
   void mark(int view, const FarHit& hit) {
@@ -88,7 +101,9 @@ class ShellNeeds {
   const ImpostorSettings& settings_;
   double slack_;
   std::vector<FarHit> waiting_;
-  std::vector<std::map<TileId, double>> seen_;  // first from viewpoints in no enclosure
+  // Of viewpoints in no enclosure first, then by enclosure.
+  std::vector<std::size_t> viewpoints_;
+  std::vector<std::map<TileId, double>> seen_;
 };
 
 std::vector<NeededTile> fallback_tiles(const CellId& cell, const ImpostorSettings& settings) {
@@ -177,15 +192,14 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
       const CellId cell = leaf.ancestor(level);
       const auto views = catalogue_->views(cell, cancel);
       if (!views) return tl::unexpected(views.error());
-      shells[level] = std::make_unique<ShellNeeds>(*scene_, CellSpace::of_shell(shells_, cell, plan->root), *views, settings_,
-                                                   seen.enclosures.size());
+      shells[level] = std::make_unique<ShellNeeds>(*scene_, CellSpace::of_shell(shells_, cell, plan->root), *views, settings_, seen);
     }
     shells[level]->add(hit);
   }
   for (const auto& shell : shells) {
     if (!shell) continue;
     shell->ask_delta_views();
-    shell->list(ShellNeeds::kWhole, seen.viewpoints, plan->tiles);
+    shell->list(ShellNeeds::kWhole, plan->tiles);
   }
   for (std::size_t e = 0; e < seen.enclosures.size(); ++e) {
     const EnclosureVisibility& here = seen.enclosures[e];
@@ -195,7 +209,7 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
     part->enclosure = here.mask;
     list_near(*part, here);
     for (const auto& shell : shells)
-      if (shell) shell->list(static_cast<int>(e), here.viewpoints, part->tiles);
+      if (shell) shell->list(static_cast<int>(e), part->tiles);
     plan->enclosures.push_back(std::move(part));
   }
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
