@@ -38,6 +38,7 @@ void project_row(const RowProjection& projection, const PixelWindow& window, con
   const float x_end = static_cast<float>(window.width) + limit;
   const float y_begin = static_cast<float>(window.top) - limit, y_end = static_cast<float>(window.bottom) + limit;
   const int last_column = window.width - 1, first_row = window.top, last_row = window.bottom - 1;
+  int second_column = 0, second_line = 0;
 #pragma GCC ivdep  // the arrays of one result do not overlap
   for (int i = 0; i < count; ++i) {
     const float d = disparity[i];
@@ -85,8 +86,11 @@ void project_row(const RowProjection& projection, const PixelWindow& window, con
     out.top[i] = top;
     const int lands = inside & mask_of(right >= left) & mask_of(bottom >= top);
     out.bottom[i] = select(lands, bottom, top - 1);
-    out.wide[i] = ~(lands & (mask_of(right > left) | mask_of(bottom > top)));
+    out.wide[i] = ~(lands & (mask_of(right >= left + kNarrow) | mask_of(bottom >= top + kNarrow)));
+    second_column |= lands & mask_of(right > left);
+    second_line |= lands & mask_of(bottom > top);
   }
+  out.second_column = second_column, out.second_line = second_line;
 }
 
 void sample_pixels(const ProjectedRow& row, const RowSamples& samples, int width, int dx, int dy, SplatPixels& out) {

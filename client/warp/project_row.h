@@ -23,6 +23,8 @@ inline constexpr int kVectorSamples = 16;
 static_assert(kRowPiece % kVectorSamples == 0);
 /// A splat covers pixels up to this far from its sample; only surfaces stretched more than fourfold reach it.
 inline constexpr int kMaxReach = 4;
+/// Splats of up to this many pixels a side are drawn pixel by pixel of all at once, larger ones one by one.
+inline constexpr int kNarrow = 2;
 /// Splats are larger by this, samples: what float arithmetic may put a position off by, so that pixel centres exactly
 /// between two samples are not left out.
 inline constexpr float kRoundingMargin = 1.0f / 256.0f;
@@ -58,10 +60,12 @@ struct RowSamples {
 /// Pixel (column, row) of sample i has cell coordinates s = s_x·(column − x) + s_y·(row − y), t alike, in samples, and
 /// eye disparity disparity + s·disparity_s + t·disparity_t. Pixels [left, right] × [top, bottom], clipped, may lie in
 /// the cell −reach_left <= s <= reach_right, −reach_up <= t <= reach_down; bottom < top: there are none. `wide` is
-/// 0 where there may be several, else -1.
+/// 0 where there are more than kNarrow of them in a row or column, else -1. `second_column`, `second_line`: all bits if
+/// some sample has more than one pixel in a row, in a column, else 0.
 struct ProjectedRow {
   alignas(64) std::array<float, kRowPiece> x, y, s_x, s_y, t_x, t_y, disparity, disparity_s, disparity_t;
   alignas(64) std::array<std::int32_t, kRowPiece> left, right, top, bottom, wide;
+  std::int32_t second_column = 0, second_line = 0;
 };
 
 /// Pixel (left + dx, top + dy) of each sample: its index row·width + column, or -1, and the halves of its key.

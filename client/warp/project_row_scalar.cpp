@@ -43,6 +43,7 @@ std::uint32_t mix(std::uint32_t own, std::uint32_t along_s, std::uint32_t along_
 
 void project_row_scalar(const RowProjection& p, const PixelWindow& window, const RowSamples& samples,
                         ProjectedRow& out) {
+  out.second_column = out.second_line = 0;
   for (int i = 0; i < samples.count; ++i) {
     out.left[i] = out.right[i] = 0;
     out.top[i] = window.top, out.bottom[i] = window.top - 1;
@@ -87,7 +88,9 @@ void project_row_scalar(const RowProjection& p, const PixelWindow& window, const
     out.top[i] = lines.first, out.bottom[i] = lines.first - 1;
     if (columns.last < columns.first || lines.last < lines.first) continue;
     out.bottom[i] = lines.last;
-    if (columns.last > columns.first || lines.last > lines.first) out.wide[i] = 0;
+    if (columns.last > columns.first) out.second_column = -1;
+    if (lines.last > lines.first) out.second_line = -1;
+    if (columns.last - columns.first >= kNarrow || lines.last - lines.first >= kNarrow) out.wide[i] = 0;
   }
 }
 

@@ -56,8 +56,9 @@ class SplatWriter {
     if (samples_.count == 0) return;
     expand(fill_up());
     (is_scalar_ ? project_row_scalar : project_row)(row_projection_, window_, samples_, row_);
-    (is_scalar_ ? sample_pixels_scalar : sample_pixels)(row_, samples_, window_.width, 0, 0, pixels_);
-    write_pixels(pixels_, samples_.count, hits_, keys_);
+    for (int line = 0; line <= (row_.second_line ? 1 : 0); ++line) {
+      for (int column = 0; column <= (row_.second_column ? 1 : 0); ++column) draw_pixels(column, line);
+    }
     draw_wide();
     samples_.count = 0;
   }
@@ -138,6 +139,12 @@ class SplatWriter {
       return;
     }
     for (std::size_t i = 0; i < count; i += kCopied) std::memcpy(to + i, from.data() + at + i, kCopied * sizeof(T));
+  }
+
+  /// Of every splat, the pixel at this place of its rectangle.
+  void draw_pixels(int column, int line) {
+    (is_scalar_ ? sample_pixels_scalar : sample_pixels)(row_, samples_, window_.width, column, line, pixels_);
+    write_pixels(pixels_, samples_.count, hits_, keys_);
   }
 
   void draw_wide() {

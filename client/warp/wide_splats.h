@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splats that may cover more than one pixel: every second one, where deeper layers are sampled more coarsely.
+// Splats of more than kNarrow pixels a side: of surfaces that the eye has come closer to than their view stood.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace farfield::client {
 /// Requires: row.wide[i] is 0.
 void draw_wide_splat(const ProjectedRow& row, const RowSamples& samples, int i, int width, std::uint64_t* keys);
 
-/// The reference, for all splats of the piece: pass after pass, the pixels at one place of every splat's rectangle.
+/// The reference, for all wide splats of the piece: pass after pass, the pixels at one place of every splat's rectangle.
 void draw_wide_splats_scalar(const ProjectedRow& row, const RowSamples& samples, int width, std::uint64_t* keys);
 
 }  // namespace farfield::client

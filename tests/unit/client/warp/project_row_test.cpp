@@ -83,6 +83,8 @@ TEST(ProjectRow, VectorAndScalarAreBitIdenticalAndClipped) {
     const RowProjection row = rows->next();
     project_row(row, window, rows->samples, *vector);
     project_row_scalar(row, window, rows->samples, *scalar);
+    ASSERT_EQ(vector->second_column, scalar->second_column);
+    ASSERT_EQ(vector->second_line, scalar->second_line);
     for (int i = 0; i < rows->samples.count; ++i) {
       const bool lands = vector->bottom[i] >= vector->top[i];
       ASSERT_EQ(lands, scalar->bottom[i] >= scalar->top[i]) << trial << " " << i;
