@@ -3,7 +3,7 @@
 // elsewhere merged by depth. For machines without a GPU, where it is several times faster than OpenGL.
 //
 // A frame: cull tiles and find the rows they reach -> per band of rows, in parallel: clear, merge the near layer if it is
-// there, project and scatter -> merge it now if it was not -> close cracks -> fill voids. Bands fit in a core's cache and share nothing, so the result
+// there, cull squares of samples, project and scatter -> merge it now if it was not -> close cracks -> fill voids. Bands fit in a core's cache and share nothing, so the result
 // does not depend on the number of threads.
 //
 // Based on: McMillan & Bishop 1995; Shade et al. 1998 (splatting layered depth images).

@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstring>
 
-#include "client/warp/run_clipper.h"
+#include "client/warp/block_culler.h"
 #include "client/warp/splat_pixel.h"
 #include "client/warp/wide_splats.h"
 #include "client/warp/write_pixels.h"
@@ -14,7 +14,7 @@
 namespace farfield::client {
 namespace {
 
-/// Collects samples until a piece is full, then draws them; about 50 kB.
+/// Collects samples, wherever they stand in the tile, until a piece is full, then draws them; about 40 kB.
 class SplatWriter {
  public:
   SplatWriter(const Splats& splats, const TileProjection& projection, const PixelWindow& window,
@@ -28,9 +28,9 @@ class SplatWriter {
     }
     row_projection_.disparity_scale = static_cast<float>(projection.disparity_scale);
     samples_.count = 0;
-    samples_.disparity = disparities_.data() + 1;
-    samples_.colour = colours_.data() + 1;
-    samples_.colour_left = colours_.data(), samples_.colour_right = colours_.data() + 2;
+    samples_.disparity = disparities_.data();
+    samples_.colour = colours_.data();
+    samples_.colour_left = colour_left_.data(), samples_.colour_right = colour_right_.data();
     samples_.reach = reaches_.data();
     samples_.slope_u = slope_u_.data(), samples_.slope_v = slope_v_.data();
     samples_.colour_up = colour_up_.data(), samples_.colour_down = colour_down_.data();
@@ -38,13 +38,12 @@ class SplatWriter {
 
   /// Samples [begin, end) of a run. Requires: they come after all appended before.
   void append(const SplatRun& run, std::uint32_t begin, std::uint32_t end) {
-    if (samples_.count > 0) skip_to(run.first + begin);
     while (begin < end) {
-      if (samples_.count == 0) first_ = run.first + begin;
       const std::uint32_t room = static_cast<std::uint32_t>(kRowPiece - samples_.count);
       // Counted from a fixed sample whatever part of the run is drawn: rounding must not differ between bands.
       const std::uint32_t block = begin / kRowPiece * kRowPiece;
       const std::uint32_t count = std::min({end - begin, room, block + kRowPiece - begin});
+      gather(run.first + begin, count);
       place(run, block, begin - block, count);
       begin += count;
       if (samples_.count == kRowPiece) flush();
@@ -54,7 +53,8 @@ class SplatWriter {
   /// Draws what was collected.
   void flush() {
     if (samples_.count == 0) return;
-    expand(fill_up());
+    fill_up();
+    find_slopes();
     (is_scalar_ ? project_row_scalar : project_row)(row_projection_, window_, samples_, row_);
     for (int line = 0; line <= (row_.second_line ? 1 : 0); ++line) {
       for (int column = 0; column <= (row_.second_column ? 1 : 0); ++column) draw_pixels(column, line);
@@ -64,69 +64,42 @@ class SplatWriter {
   }
 
  private:
-  /// Fills a small gap, as between the rows of a dense tile, with samples behind the eye: cheaper than another piece.
-  void skip_to(std::size_t index) {
-    constexpr std::size_t kSmallGap = 8;
-    const std::size_t next = first_ + static_cast<std::size_t>(samples_.count), gap = index - next;
-    if (gap > kSmallGap || static_cast<std::size_t>(samples_.count) + gap >= kRowPiece) {
-      flush();
-      return;
-    }
-    while (samples_.count < static_cast<int>(index - first_)) put_nothing();
-  }
-
   /// Makes the piece whole vectors, by samples behind the eye: what is left over costs a vectorised loop as much as
-  /// several vectors do. Returns: how many samples it held before.
-  std::size_t fill_up() {
-    const int count = samples_.count;
-    while (samples_.count % kVectorSamples != 0) put_nothing();
-    return static_cast<std::size_t>(count);
-  }
-  void put_nothing() {
-    samples_.infinity_x[samples_.count] = samples_.infinity_y[samples_.count] = 0;
-    samples_.infinity_w[samples_.count] = -1e30f;
-    ++samples_.count;
-  }
-
-  /// From the tile's compact arrays to what the kernels read.
-  void expand(std::size_t count) {
-    const std::size_t before = first_ > 0 ? 1 : 0, last = std::min(first_ + count + 1, splats_.size());
-    std::copy(splats_.disparity.data() + first_ - before, splats_.disparity.data() + last, disparities_.data() + 1 - before);
-    std::copy(splats_.colour.data() + first_ - before, splats_.colour.data() + last, colours_.data() + 1 - before);
-    std::copy_n(splats_.reach.data() + first_, count, reaches_.data());
-    gather_along_v(count);
-    const auto connected = [](std::uint32_t reach, int shift) { return mask_of((reach >> shift & 15) == kReachConnected); };
-    const auto slope = [](int has_before, int has_after, float at_before, float own, float at_after) {
-      const float from = std::bit_cast<float>(select(has_before, std::bit_cast<int>(at_before), std::bit_cast<int>(own)));
-      const float to = std::bit_cast<float>(select(has_after, std::bit_cast<int>(at_after), std::bit_cast<int>(own)));
-      return (to - from) * (1.0f + 0.5f * static_cast<float>(has_before & has_after));  // over one sample or two
-    };
-    const std::uint16_t* __restrict reaches = reaches_.data();
-    const float* __restrict disparity = disparities_.data() + 1;
-    const std::uint32_t* __restrict colour = colours_.data() + 1;
-#pragma GCC ivdep  // none of these overlap
-    for (int i = 0; i < samples_.count; ++i) {
-      const std::uint32_t reach = reaches[i];
-      const int up = connected(reach, 8), down = connected(reach, 12);
-      slope_u_[i] = slope(connected(reach, 0), connected(reach, 4), disparity[i - 1], disparity[i], disparity[i + 1]);
-      slope_v_[i] = slope(up, down, disparity_up_[i], disparity[i], disparity_down_[i]);
-      colour_up_[i] = select(up, colour_up_[i], colour[i]);
-      colour_down_[i] = select(down, colour_down_[i], colour[i]);
+  /// several vectors do.
+  void fill_up() {
+    for (; samples_.count % kVectorSamples != 0; ++samples_.count) {
+      samples_.infinity_x[samples_.count] = samples_.infinity_y[samples_.count] = 0;
+      samples_.infinity_w[samples_.count] = -1e30f;
     }
   }
 
-  /// Disparities and colours above and below the piece's samples, by the tile's links.
-  void gather_along_v(std::size_t count) {
+  /// Copies `count` samples from number `first` of the tile's arrays, and their neighbours, to the end of the piece.
+  void gather(std::size_t first, std::size_t count) {
+    const auto to = static_cast<std::size_t>(samples_.count);
+    copy_some(splats_.disparity, first, count, &disparities_[to]);
+    copy_some(splats_.colour, first, count, &colours_[to]);
+    copy_some(splats_.reach, first, count, &reaches_[to]);
+    const std::size_t no_left = first == 0 ? 1 : 0;  // the first of all has none, and says so in its reach
+    copy_some(splats_.disparity, first + no_left - 1, count - no_left, &disparity_left_[to + no_left]);
+    copy_some(splats_.colour, first + no_left - 1, count - no_left, &colour_left_[to + no_left]);
+    const std::size_t no_right = first + count == splats_.size() ? 1 : 0;
+    copy_some(splats_.disparity, first + 1, count - no_right, &disparity_right_[to]);
+    copy_some(splats_.colour, first + 1, count - no_right, &colour_right_[to]);
+    gather_along_v(first, count, to);
+  }
+
+  /// Disparities and colours above and below, by the tile's links.
+  void gather_along_v(std::size_t first, std::size_t count, std::size_t to) {
     const std::vector<SplatLink>& links = splats_.links;
-    while (link_ + 1 < links.size() && links[link_ + 1].first <= first_) ++link_;
+    while (link_ + 1 < links.size() && links[link_ + 1].first <= first) ++link_;
     for (std::size_t i = 0; i < count;) {
-      const std::size_t next = link_ + 1 < links.size() ? links[link_ + 1].first - first_ : count;
+      const std::size_t next = link_ + 1 < links.size() ? links[link_ + 1].first - first : count;
       const std::size_t length = std::min(next, count) - i;
-      const std::size_t above = first_ + i - links[link_].up, below = first_ + i + links[link_].down;
-      copy_some(splats_.disparity, above, length, disparity_up_.data() + i);
-      copy_some(splats_.colour, above, length, colour_up_.data() + i);
-      copy_some(splats_.disparity, below, length, disparity_down_.data() + i);
-      copy_some(splats_.colour, below, length, colour_down_.data() + i);
+      const std::size_t above = first + i - links[link_].up, below = first + i + links[link_].down;
+      copy_some(splats_.disparity, above, length, &disparity_up_[to + i]);
+      copy_some(splats_.colour, above, length, &colour_up_[to + i]);
+      copy_some(splats_.disparity, below, length, &disparity_down_[to + i]);
+      copy_some(splats_.colour, below, length, &colour_down_[to + i]);
       i += length;
       if (i < count) ++link_;
     }
@@ -145,6 +118,28 @@ class SplatWriter {
   void draw_pixels(int column, int line) {
     (is_scalar_ ? sample_pixels_scalar : sample_pixels)(row_, samples_, window_.width, column, line, pixels_);
     write_pixels(pixels_, samples_.count, hits_, keys_);
+  }
+
+  /// Slopes, and colours above and below, of what is connected.
+  void find_slopes() {
+    const auto connected = [](std::uint32_t reach, int shift) { return mask_of((reach >> shift & 15) == kReachConnected); };
+    const auto slope = [](int has_before, int has_after, float at_before, float own, float at_after) {
+      const float from = std::bit_cast<float>(select(has_before, std::bit_cast<int>(at_before), std::bit_cast<int>(own)));
+      const float to = std::bit_cast<float>(select(has_after, std::bit_cast<int>(at_after), std::bit_cast<int>(own)));
+      return (to - from) * (1.0f + 0.5f * static_cast<float>(has_before & has_after));  // over one sample or two
+    };
+    const std::uint16_t* __restrict reaches = reaches_.data();
+    const float* __restrict disparity = disparities_.data();
+    const std::uint32_t* __restrict colour = colours_.data();
+#pragma GCC ivdep  // none of these overlap
+    for (int i = 0; i < samples_.count; ++i) {
+      const std::uint32_t reach = reaches[i];
+      const int up = connected(reach, 8), down = connected(reach, 12);
+      slope_u_[i] = slope(connected(reach, 0), connected(reach, 4), disparity_left_[i], disparity[i], disparity_right_[i]);
+      slope_v_[i] = slope(up, down, disparity_up_[i], disparity[i], disparity_down_[i]);
+      colour_up_[i] = select(up, colour_up_[i], colour[i]);
+      colour_down_[i] = select(down, colour_down_[i], colour[i]);
+    }
   }
 
   void draw_wide() {
@@ -178,19 +173,17 @@ class SplatWriter {
   const bool is_scalar_;
   std::uint64_t* keys_;
   RowProjection row_projection_;
-  std::size_t first_ = 0;  // of samples_, in the tile's arrays
   RowSamples samples_;
   ProjectedRow row_;
   SplatPixels pixels_;
   static constexpr std::size_t kCopied = 8;
   template <class T>
   using Piece = std::array<T, kRowPiece + kCopied>;
-  std::size_t link_ = 0;  // of the tile's links: that of sample first_, or before
-  Piece<float> disparities_{};       // of the piece, with the sample before and after it
-  Piece<std::uint32_t> colours_{};   // likewise
+  std::size_t link_ = 0;  // of the tile's links: that of the last sample gathered, or before
   Piece<std::uint16_t> reaches_{};
-  Piece<float> disparity_up_{}, disparity_down_{}, slope_u_, slope_v_;
-  Piece<std::uint32_t> colour_up_{}, colour_down_{};
+  Piece<float> disparities_{}, disparity_left_{}, disparity_right_{}, disparity_up_{}, disparity_down_{};
+  Piece<float> slope_u_, slope_v_;
+  Piece<std::uint32_t> colours_{}, colour_left_{}, colour_right_{}, colour_up_{}, colour_down_{};
   RowIndices hits_;
 };
 
@@ -198,19 +191,27 @@ class SplatWriter {
 
 void scatter_tile(const Splats& splats, const TileProjection& projection, const PixelWindow& window,
                   ProjectionKernel kernel, std::uint64_t* keys) {
-  constexpr std::uint32_t kLongRun = 24;  // in shorter runs there is little to clip
-  const RunClipper clipper(projection, splats, window);
   SplatWriter writer(splats, projection, window, kernel, keys);
-  for (const SplatRun& run : splats.runs) {
-    if (clipper.is_outside(run)) continue;
-    std::uint32_t begin = 0, end = run.count;
-    if (run.count >= kLongRun) {
-      const SampleRange range = clipper.clip(run);
-      if (!(range.first <= range.last)) continue;
-      begin = static_cast<std::uint32_t>(range.first);
-      end = static_cast<std::uint32_t>(range.last) + 1;
+  if (kernel == ProjectionKernel::kScalar) {  // the reference leaves nothing out
+    for (const SplatRun& run : splats.runs) writer.append(run, 0, run.count);
+    writer.flush();
+    return;
+  }
+  const VisibleBlocks visible = find_visible_blocks(projection, splats, window, keys);
+  const auto edge = static_cast<std::uint32_t>(splats.blocks.edge);
+  for (int row = 0; row < splats.blocks.rows; ++row) {
+    if (visible[row] == 0) continue;
+    for (std::uint32_t r = splats.blocks.first_run[row]; r < splats.blocks.first_run[row + 1]; ++r) {
+      const SplatRun& run = splats.runs[r];
+      const auto column = static_cast<std::uint32_t>(first_column(splats, run)), end = column + run.count;
+      for (std::uint32_t blocks = visible[row]; blocks != 0;) {  // as many at once as follow each other
+        const auto first = static_cast<std::uint32_t>(std::countr_zero(blocks));
+        const auto after = first + static_cast<std::uint32_t>(std::countr_one(blocks >> first));
+        const std::uint32_t from = std::max(first * edge, column), to = std::min(after * edge, end);
+        if (from < to) writer.append(run, from - column, to - column);
+        blocks &= ~std::uint32_t{0} << after;
+      }
     }
-    writer.append(run, begin, end);
   }
   writer.flush();
 }

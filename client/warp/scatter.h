@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a tile's splats into a band of the key buffer: project a piece of a run, then keep, per pixel, what is nearest.
+// Draws a tile's splats into a band of the key buffer: leave out squares of samples that nobody can see, gather what is
+// left into pieces, project each, then keep, per pixel, what is nearest.
 #pragma once
 
 #include <cstdint>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/warp/hidden_pixels.h"
 #include "client/warp/splat_pixel.h"
 #include "client/warp/write_pixels.h"
 
@@ -13,18 +14,11 @@ namespace {
 constexpr int kBlockEdge = 4;
 constexpr int kBlockPixels = kBlockEdge * kBlockEdge;
 
-/// Whether all pixels of the splat's rectangle already show something nearer, as behind near geometry. A splat reaches less than one sample from its own along either axis, so this is the nearest it can be;
-/// 2⁻²⁰ covers the three roundings on the way.
+/// Whether nothing of the splat can be seen, as behind near geometry. It reaches less than one sample from its own along
+/// either axis, so this is the nearest it can be.
 bool is_hidden(const ProjectedRow& row, int i, int width, const std::uint64_t* keys) {
-  const float nearest = (row.disparity[i] + std::fabs(row.disparity_s[i]) + std::fabs(row.disparity_t[i])) * (1 + 0x1p-20f);
-  const std::uint64_t largest = make_key(key_high(nearest), ~0u);
-  for (int line = row.top[i]; line <= row.bottom[i]; ++line) {
-    const std::uint64_t* cells = keys + static_cast<std::size_t>(line) * width;
-    for (int column = row.left[i]; column <= row.right[i]; ++column) {
-      if (cells[column] < largest) return false;
-    }
-  }
-  return true;
+  const float nearest = row.disparity[i] + std::fabs(row.disparity_s[i]) + std::fabs(row.disparity_t[i]);
+  return are_hidden({row.left[i], row.right[i], row.top[i], row.bottom[i]}, nearest, width, keys);
 }
 
 }  // namespace

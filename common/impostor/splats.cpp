@@ -170,7 +170,8 @@ std::size_t heap_bytes(const std::vector<T>& values) {
 }  // namespace
 
 std::size_t Splats::memory_bytes() const {
-  return heap_bytes(runs) + heap_bytes(links) + heap_bytes(disparity) + heap_bytes(colour) + heap_bytes(reach);
+  return heap_bytes(runs) + heap_bytes(links) + heap_bytes(disparity) + heap_bytes(colour) + heap_bytes(reach) +
+         blocks.memory_bytes();
 }
 
 Splats build_splats(const Tile& tile) {
@@ -190,6 +191,7 @@ Splats build_splats(const Tile& tile) {
   }
   builder.finish();
   find_bounds(splats);
+  splats.blocks = find_blocks(splats);
   return splats;
 }
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/impostor/splat_blocks.h"
 #include "common/impostor/tile.h"
 
 namespace farfield {
@@ -56,6 +57,7 @@ struct Splats {
   std::vector<float> disparity;          // 1/(cell side)
   std::vector<std::uint32_t> colour;     // 0x00BBGGRR sRGB
   std::vector<std::uint16_t> reach;      // pack_reach()
+  SplatBlocks blocks;                    // find_blocks()
 
   std::size_t size() const { return disparity.size(); }
   std::size_t memory_bytes() const;      // on the heap

@@ -213,6 +213,7 @@ LeafView random_planes(int samples) {
     auto tile = plane_tile({0.1 * k, 0, 0}, 2.0, 3.0 + k, samples, [&](double, double) { return random() & 0xffffffu; });
     for (float& d : tile->splats.disparity) d *= 1.0f - 0.01f * static_cast<float>(random() % 10);
     tile->splats.min_disparity *= 0.9f;
+    tile->splats.blocks = find_blocks(tile->splats);
     tiles.push_back(tile);
   }
   return leaf_of(std::move(tiles));

@@ -39,6 +39,7 @@ std::shared_ptr<DecodedTile> plane_patch(const glm::dvec3& normal, std::uint16_t
   s.min_disparity = *low, s.max_disparity = *high;
   s.u_min = s.v_min = static_cast<float>(tangent(0));
   s.u_max = s.v_max = static_cast<float>(tangent(kPatch - 1));
+  s.blocks = find_blocks(s);
   return tile;
 }
 

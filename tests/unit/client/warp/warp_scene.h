@@ -53,6 +53,7 @@ std::shared_ptr<DecodedTile> plane_tile(const glm::dvec3& view, double side_m, d
   s.min_disparity = s.max_disparity = static_cast<float>(side_m / z);
   s.u_min = s.v_min = static_cast<float>(sample_tangent(edge_samples, 0));
   s.u_max = s.v_max = static_cast<float>(sample_tangent(edge_samples, edge_samples - 1));
+  s.blocks = find_blocks(s);
   return tile;
 }
 
@@ -74,6 +75,7 @@ inline std::shared_ptr<DecodedTile> single_sample(const glm::dvec3& view, double
   s.min_disparity = s.max_disparity = disparity;
   s.u_min = s.u_max = u;
   s.v_min = s.v_max = v;
+  s.blocks = find_blocks(s);
   return tile;
 }
 

@@ -172,9 +172,57 @@ TEST(Splats, ConnectedSamplesFindTheirNeighboursInRaggedTiles) {
 
 TEST(Splats, ASampleTakesTenBytesAndNoCapacityIsSpare) {
   const Splats s = build_splats(dense_tile(3, 1, 1));
-  EXPECT_LE(s.memory_bytes(), 10 * s.size() + 24 * 128);  // runs and links: one per row
+  const std::size_t blocks = 2 * 4 * SplatBlocks::kColumns * SplatBlocks::kColumns + 4 * (SplatBlocks::kColumns + 1);
+  EXPECT_LE(s.memory_bytes(), 10 * s.size() + 24 * 128 + blocks);  // runs and links: one per row
   EXPECT_EQ(s.runs.capacity(), s.runs.size());
   EXPECT_EQ(s.links.capacity(), s.links.size());
+}
+
+TEST(Splats, BlocksHoldEverySampleAndItsSlopes) {
+  Tile tile = dense_tile(2, 1, 0);
+  std::mt19937 random(5);
+  for (auto& covered : tile.coverage) covered = random() % 8 != 0;
+  const Splats s = build_splats(tile);
+  const SplatBlocks& blocks = s.blocks;
+  ASSERT_EQ(blocks.edge, 8);
+  ASSERT_EQ(blocks.first_run.size(), static_cast<std::size_t>(blocks.rows) + 1);
+  EXPECT_EQ(blocks.first_run.back(), s.runs.size());
+  std::size_t held = 0;
+  for (int j = 0; j < blocks.rows; ++j) {
+    for (std::uint32_t r = blocks.first_run[j]; r < blocks.first_run[j + 1]; ++r, ++held) {
+      const SplatRun& run = s.runs[r];
+      EXPECT_NEAR(run.v, s.v_min + s.pitch * (8 * static_cast<float>(j) + 3.5f), 4 * s.pitch);
+      for (std::uint32_t i = 0; i < run.count; ++i) {
+        const int column = first_column(s, run) + static_cast<int>(i);
+        ASSERT_NEAR(s.u_min + static_cast<float>(column) * s.pitch, run.u0 + static_cast<float>(i) * s.pitch, 1e-5f);
+        const std::size_t block = static_cast<std::size_t>(j * SplatBlocks::kColumns + column / 8);
+        const std::uint32_t at = run.first + i;
+        const bool has_right = (s.reach[at] >> 4 & 15) == kReachConnected;
+        const float slope = has_right ? std::abs(s.disparity[at + 1] - s.disparity[at]) : 0;
+        ASSERT_LE(blocks.lowest[block], s.disparity[at] - slope);
+        ASSERT_GE(blocks.highest[block], s.disparity[at] + slope);
+      }
+    }
+  }
+  EXPECT_EQ(held, s.runs.size());
+}
+
+TEST(Splats, BlocksOfScatteredSamplesTakeNoMoreMemory) {
+  Tile tile;
+  tile.edge_samples = face_samples(40);
+  tile.blocks = {{0, 0}, {600, 3}, {2, 600}};
+  tile.width = packed_width(3), tile.height = packed_height(3);
+  tile.coverage.assign(tile.samples(), 1);
+  tile.disparity.assign(tile.samples(), 0.1f);
+  tile.rgb.assign(3 * tile.samples(), 9);
+  tile.cut_right.assign(tile.samples(), 0), tile.cut_down.assign(tile.samples(), 0);
+  tile.id.view = 1;
+  const Splats s = build_splats(tile);
+  EXPECT_EQ(s.drawn, 3u * kBlockSamples * kBlockSamples);
+  EXPECT_EQ(s.blocks.edge, 601 * kBlockSamples / SplatBlocks::kColumns + 1);
+  EXPECT_LE(s.blocks.lowest.size(), static_cast<std::size_t>(SplatBlocks::kColumns) * SplatBlocks::kColumns);
+  const auto held = [](float highest) { return highest > 0; };
+  EXPECT_EQ(std::count_if(s.blocks.highest.begin(), s.blocks.highest.end(), held), 3);
 }
 
 TEST(Splats, AnEmptyTileGivesNone) {

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether all pixels of a rectangle already show something nearer than what is still to be drawn there.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
+#include "client/warp/splat_key.h"
+
+namespace farfield::client {
+
+/// Pixels [left, right] × [top, bottom].
+struct PixelRectangle {
+  int left = 0, right = -1, top = 0, bottom = -1;
+};
+
+/// Whether one of `count` keys is smaller than `bound`.
+inline bool any_smaller(const std::uint64_t* keys, int count, std::uint64_t bound) {
+#if defined(__AVX512F__)
+  const __m512i bounds = _mm512_set1_epi64(static_cast<long long>(bound));
+  for (int i = 0; i < count; i += 8) {
+    const auto some = static_cast<__mmask8>(count - i >= 8 ? 0xff : (1 << (count - i)) - 1);
+    const __m512i eight = _mm512_maskz_loadu_epi64(some, keys + i);
+    if (_mm512_mask_cmplt_epu64_mask(some, eight, bounds) != 0) return true;
+  }
+  return false;
+#else
+  return std::any_of(keys, keys + count, [&](std::uint64_t key) { return key < bound; });
+#endif
+}
+
+/// `nearest`: the largest eye disparity that anything to be drawn can have, but for the roundings on the way to it: 2⁻²⁰
+/// covers up to 16 of them.
+inline bool are_hidden(const PixelRectangle& pixels, float nearest, int width, const std::uint64_t* keys) {
+  const std::uint64_t largest = make_key(key_high(std::max(nearest * (1 + 0x1p-20f), 0.0f)), ~0u);
+  for (int line = pixels.top; line <= pixels.bottom; ++line) {
+    const std::uint64_t* cells = keys + static_cast<std::size_t>(line) * static_cast<std::size_t>(width);
+    if (any_smaller(cells + pixels.left, pixels.right + 1 - pixels.left, largest)) return false;
+  }
+  return true;
+}
+
+}  // namespace farfield::client
