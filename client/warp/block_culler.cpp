@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/warp/block_culler.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -27,9 +28,14 @@ struct Component {
                               2 * splats.max_disparity * std::fabs(per_disparity))) {}
 };
 
-/// A row of squares: the pixels each can reach within the window (none: right < left or bottom < top), and the largest
-/// eye disparity it can have there.
-struct RowOfBlocks {
+/// Ranges of tangent coordinates and disparity.
+struct Boxes {
+  alignas(64) std::array<float, kColumns> u_low, u_high, v_low, v_high, d_low, d_high;
+};
+
+/// The pixels that splats in each box can reach within the window (none: right < left or bottom < top), and the largest
+/// eye disparity they can have there.
+struct Reaches {
   alignas(64) std::array<std::int32_t, kColumns> left, right, top, bottom;
   alignas(64) std::array<float, kColumns> nearest;
 };
@@ -37,29 +43,23 @@ struct RowOfBlocks {
 inline float smaller(float a, float b) { return a < b ? a : b; }
 inline float larger(float a, float b) { return a > b ? a : b; }
 
-class BlockProjection {
+class BoxProjection {
  public:
-  BlockProjection(const TileProjection& projection, const Splats& splats, const PixelWindow& window)
-      : splats_(splats), window_(window), x_(projection, splats, 0), y_(projection, splats, 1), w_(projection, splats, 2),
+  BoxProjection(const TileProjection& projection, const Splats& splats, const PixelWindow& window)
+      : window_(window), x_(projection, splats, 0), y_(projection, splats, 1), w_(projection, splats, 2),
         disparity_scale_(static_cast<float>(projection.disparity_scale)) {}
 
   /// A splat's pixels and disparities follow from first derivatives at its sample. Where a point of the surface truly is
   /// at f, they put it at f₀ + (f − f₀)·w/w₀: the true range grows by its extent times (w_high/w_low − 1).
-  void project(int row, RowOfBlocks& out) const {
+  void project(const Boxes& boxes, Reaches& out) const {
     const Component x = x_, y = y_, w = w_;
-    const float* __restrict lowest = &splats_.blocks.lowest[static_cast<std::size_t>(row) * kColumns];
-    const float* __restrict highest = &splats_.blocks.highest[static_cast<std::size_t>(row) * kColumns];
-    const float pitch = splats_.pitch, edge = static_cast<float>(splats_.blocks.edge);
-    // Splats reach less than a sample beyond their own.
-    const float u_first = splats_.u_min - pitch, u_length = (edge + 1) * pitch;
-    const float v_low = splats_.v_min + (edge * static_cast<float>(row) - 1) * pitch, v_high = v_low + u_length;
     const float window_width = static_cast<float>(window_.width), scale = disparity_scale_;
     const float window_top = static_cast<float>(window_.top), window_bottom = static_cast<float>(window_.bottom);
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
 #pragma GCC ivdep  // the arrays of one result do not overlap
     for (int c = 0; c < kColumns; ++c) {
-      const float u_low = u_first + static_cast<float>(c) * edge * pitch, u_high = u_low + u_length;
-      const float d_low = lowest[c], d_high = highest[c];
+      const float u_low = boxes.u_low[c], u_high = boxes.u_high[c], v_low = boxes.v_low[c], v_high = boxes.v_high[c];
+      const float d_low = boxes.d_low[c], d_high = boxes.d_high[c];
       float x_low = kInfinity, x_high = -kInfinity, y_low = kInfinity, y_high = -kInfinity;
       float w_low = kInfinity, w_high = -kInfinity, eye_low = kInfinity, eye_high = -kInfinity;
 #pragma GCC unroll 8
@@ -97,26 +97,72 @@ class BlockProjection {
   }
 
  private:
-  const Splats& splats_;
   const PixelWindow window_;
   const Component x_, y_, w_;
   const float disparity_scale_;
 };
+
+/// Boxes of a tile's squares. Splats reach less than a sample beyond their own.
+class TileBoxes {
+ public:
+  explicit TileBoxes(const Splats& splats)
+      : splats_(splats), begin_u_(splats.u_min - splats.pitch), begin_v_(splats.v_min - splats.pitch),
+        stride_(splats.pitch * static_cast<float>(splats.blocks.edge)), length_(stride_ + splats.pitch) {}
+
+  void row_of_squares(int row, Boxes& out) const {
+    const float v_low = begin_v_ + stride_ * static_cast<float>(row), v_high = v_low + length_;
+    for (int c = 0; c < kColumns; ++c) {
+      out.u_low[c] = begin_u_ + stride_ * static_cast<float>(c);
+      out.u_high[c] = out.u_low[c] + length_;
+      out.v_low[c] = v_low, out.v_high[c] = v_high;
+    }
+    set_disparities(row, out);
+  }
+  void whole_rows(Boxes& out) const {
+    const float u_high = splats_.u_max + splats_.pitch;
+    for (int j = 0; j < kColumns; ++j) {
+      out.u_low[j] = begin_u_, out.u_high[j] = u_high;
+      out.v_low[j] = begin_v_ + stride_ * static_cast<float>(j);
+      out.v_high[j] = out.v_low[j] + length_;
+    }
+    set_disparities(splats_.blocks.rows, out);
+  }
+
+ private:
+  void set_disparities(int row, Boxes& out) const {
+    const std::size_t first = static_cast<std::size_t>(row) * kColumns;
+    std::copy_n(&splats_.blocks.lowest[first], kColumns, out.d_low.begin());
+    std::copy_n(&splats_.blocks.highest[first], kColumns, out.d_high.begin());
+  }
+
+  const Splats& splats_;
+  const float begin_u_, begin_v_, stride_, length_;
+};
+
+bool lands(const Reaches& reaches, int k) {
+  return reaches.left[k] <= reaches.right[k] && reaches.top[k] <= reaches.bottom[k];
+}
 
 }  // namespace
 
 VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
                                   const std::uint64_t* keys) {
   VisibleBlocks visible{};
-  const BlockProjection blocks(projection, splats, window);
-  RowOfBlocks row;
+  if (splats.blocks.rows == 0) return visible;
+  const BoxProjection to_window(projection, splats, window);
+  const TileBoxes tile(splats);
+  Boxes boxes;
+  Reaches rows, squares;
+  tile.whole_rows(boxes);
+  to_window.project(boxes, rows);
   for (int j = 0; j < splats.blocks.rows; ++j) {
-    blocks.project(j, row);
+    if (!lands(rows, j)) continue;
+    tile.row_of_squares(j, boxes);
+    to_window.project(boxes, squares);
     for (int c = 0; c < kColumns; ++c) {
-      if (row.right[c] < row.left[c] || row.bottom[c] < row.top[c]) continue;
-      const PixelRectangle pixels{row.left[c], row.right[c], row.top[c], row.bottom[c]};
-      if (are_hidden(pixels, row.nearest[c], window.width, keys)) continue;
-      visible[j] |= 1u << c;
+      if (!lands(squares, c)) continue;
+      const PixelRectangle pixels{squares.left[c], squares.right[c], squares.top[c], squares.bottom[c]};
+      if (!are_hidden(pixels, squares.nearest[c], window.width, keys)) visible[j] |= 1u << c;
     }
   }
   return visible;

@@ -191,13 +191,15 @@ class SplatWriter {
 
 void scatter_tile(const Splats& splats, const TileProjection& projection, const PixelWindow& window,
                   ProjectionKernel kernel, std::uint64_t* keys) {
-  SplatWriter writer(splats, projection, window, kernel, keys);
   if (kernel == ProjectionKernel::kScalar) {  // the reference leaves nothing out
+    SplatWriter writer(splats, projection, window, kernel, keys);
     for (const SplatRun& run : splats.runs) writer.append(run, 0, run.count);
     writer.flush();
     return;
   }
   const VisibleBlocks visible = find_visible_blocks(projection, splats, window, keys);
+  if (std::all_of(visible.begin(), visible.end(), [](std::uint32_t row) { return row == 0; })) return;
+  SplatWriter writer(splats, projection, window, kernel, keys);
   const auto edge = static_cast<std::uint32_t>(splats.blocks.edge);
   for (int row = 0; row < splats.blocks.rows; ++row) {
     if (visible[row] == 0) continue;

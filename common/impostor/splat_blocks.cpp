@@ -50,7 +50,8 @@ SplatBlocks find_blocks(const Splats& splats) {
   const int rows = samples_between(splats.v_min, splats.v_max, splats.pitch) + 1;
   blocks.edge = (std::max(columns, rows) + SplatBlocks::kColumns - 1) / SplatBlocks::kColumns;
   blocks.rows = (rows + blocks.edge - 1) / blocks.edge;
-  const std::size_t count = static_cast<std::size_t>(blocks.rows) * SplatBlocks::kColumns;
+  const std::size_t whole_rows = static_cast<std::size_t>(blocks.rows) * SplatBlocks::kColumns;
+  const std::size_t count = whole_rows + SplatBlocks::kColumns;
   blocks.lowest.assign(count, std::numeric_limits<float>::infinity());
   blocks.highest.assign(count, -std::numeric_limits<float>::infinity());
   blocks.first_run.reserve(static_cast<std::size_t>(blocks.rows) + 1);
@@ -69,6 +70,11 @@ SplatBlocks find_blocks(const Splats& splats) {
     }
   }
   blocks.first_run.push_back(static_cast<std::uint32_t>(splats.runs.size()));
+  for (std::size_t block = 0; block < whole_rows; ++block) {
+    const std::size_t row = whole_rows + block / SplatBlocks::kColumns;
+    blocks.lowest[row] = std::min(blocks.lowest[row], blocks.lowest[block]);
+    blocks.highest[row] = std::max(blocks.highest[row], blocks.highest[block]);
+  }
   return blocks;
 }
 

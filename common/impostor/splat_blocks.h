@@ -20,7 +20,8 @@ struct SplatBlocks {
   int edge = 1;  // samples
   int rows = 0;
   /// [row][column]: bounds of the disparity anywhere on the surface within one sample of the square's samples, along the
-  /// slopes its splats are drawn with; lowest > highest: the square holds none.
+  /// slopes its splats are drawn with; lowest > highest: the square holds none. After the last row, column j bounds all
+  /// of row j.
   std::vector<float> lowest, highest;
   std::vector<std::uint32_t> first_run;  // of each row of squares, and the number of runs after the last
 
