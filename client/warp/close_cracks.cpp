@@ -114,7 +114,7 @@ ResolveCounts resolve_rows(const std::uint64_t* keys, int first_row, int last_ro
   const int width = frame.width;
   const auto stride = static_cast<std::size_t>(width);
   NeighbourRow above(width), here(width), below(width);
-  std::vector<std::uint8_t> is_crack(stride);
+  std::vector<std::uint8_t> is_crack(stride + 1);
   std::vector<std::uint32_t> colours(stride);
   const auto load = [&](NeighbourRow& row, int y) {
     if (y >= 0 && y < frame.height) {
@@ -137,8 +137,13 @@ ResolveCounts resolve_rows(const std::uint64_t* keys, int first_row, int last_ro
 
     const Rows rows{above.values.data(), here.values.data(), below.values.data()};
     find_cracks(rows, width, is_crack.data());
-    for (int x = 0; x < width; ++x) {
-      if (!is_crack[x] || coverage[x] == Coverage::kNear) continue;
+    const auto next_crack = [&](int x) {  // cracks are rare: they are looked for many pixels at once
+      const auto* found = static_cast<const std::uint8_t*>(std::memchr(&is_crack[x], 1, stride + 1 - x));
+      return static_cast<int>(found - is_crack.data());
+    };
+    is_crack[width] = 1;  // found at the latest
+    for (int x = next_crack(0); x < width; x = next_crack(x + 1)) {
+      if (coverage[x] == Coverage::kNear) continue;
       const Closed closed = close_crack(row_keys + x, stride, rows, x);
       counts.uncovered_pixels -= coverage[x] == Coverage::kBackground;
       ++counts.crack_pixels;

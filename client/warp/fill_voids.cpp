@@ -23,36 +23,38 @@ class Occupancy {
       : radius_(radius), columns_((frame.width + radius - 1) / radius), rows_((frame.height + radius - 1) / radius) {
     states_.resize(static_cast<std::size_t>(columns_) * rows_);
     tbb::parallel_for(0, rows_, [&](int row) {
+      // By columns of pixels first, which is vectorised, then by squares.
+      const auto width = static_cast<std::size_t>(frame.width);
+      std::vector<std::uint8_t> found(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(radius_), 0);
       for (int y = row * radius; y < std::min((row + 1) * radius, frame.height); ++y) {
-        const Coverage* line = frame.coverage.data() + static_cast<std::size_t>(y) * frame.width;
-        for (int column = 0; column < columns_; ++column) {
-          std::uint8_t& state = states_[static_cast<std::size_t>(row) * columns_ + column];
-          const int end = std::min((column + 1) * radius, frame.width);
-          int covered = 0, open = 0;
-          for (int x = column * radius; x < end; ++x) {
-            covered |= is_covered(line[x]);
-            open |= !is_covered(line[x]);
-          }
-          state |= static_cast<std::uint8_t>(covered | open << 1);
-        }
+        const Coverage* __restrict line = frame.coverage.data() + static_cast<std::size_t>(y) * width;
+        std::uint8_t* __restrict states = found.data();
+        for (std::size_t x = 0; x < width; ++x) states[x] |= is_covered(line[x]) ? kSomeCovered : kSomeOpen;
+      }
+      for (int column = 0; column < columns_; ++column) {
+        const std::uint8_t* first = found.data() + static_cast<std::size_t>(column) * static_cast<std::size_t>(radius);
+        std::uint8_t& state = states_[static_cast<std::size_t>(row) * columns_ + column];
+        for (int x = 0; x < radius; ++x) state |= first[x];
       }
     });
   }
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  bool has_open(int column, int row) const { return states_[static_cast<std::size_t>(row) * columns_ + column] & 2; }
+  bool has_open(int column, int row) const { return states_[static_cast<std::size_t>(row) * columns_ + column] & kSomeOpen; }
   bool is_surrounded_by_nothing(int column, int row) const {
     for (int j = std::max(row - 1, 0); j <= std::min(row + 1, rows_ - 1); ++j) {
       for (int i = std::max(column - 1, 0); i <= std::min(column + 1, columns_ - 1); ++i) {
-        if (states_[static_cast<std::size_t>(j) * columns_ + i] & 1) return false;
+        if (states_[static_cast<std::size_t>(j) * columns_ + i] & kSomeCovered) return false;
       }
     }
     return true;
   }
 
  private:
+  static constexpr std::uint8_t kSomeCovered = 1, kSomeOpen = 2;
+
   int radius_, columns_, rows_;
-  std::vector<std::uint8_t> states_;  // bit 0: something is covered, bit 1: something is not
+  std::vector<std::uint8_t> states_;
 };
 
 constexpr std::size_t kNone = ~std::size_t{0};
@@ -145,11 +147,16 @@ std::uint64_t fill_voids(Frame& frame, const SkyTest& sky, int radius) {
   tbb::parallel_for(0, occupancy.rows(), [&](int row) {
     for (int column = 0; column < occupancy.columns(); ++column) {
       if (!occupancy.has_open(column, row)) continue;
+      const int left = column * radius, right = std::min(left + radius, frame.width) - 1;
+      const int top = row * radius, bottom = std::min(top + radius, frame.height) - 1;
+      const DirectionMask::Share share = sky.share_of_sky(left, right, top, bottom);
+      if (share == DirectionMask::Share::kAll) continue;
       const bool is_alone = occupancy.is_surrounded_by_nothing(column, row);
-      for (int y = row * radius; y < std::min((row + 1) * radius, frame.height); ++y) {
-        for (int x = column * radius; x < std::min((column + 1) * radius, frame.width); ++x) {
+      for (int y = top; y <= bottom; ++y) {
+        for (int x = left; x <= right; ++x) {
           const std::size_t at = static_cast<std::size_t>(y) * frame.width + x;
-          if (is_covered(frame.coverage[at]) || sky.may_be_sky(x, y)) continue;
+          if (is_covered(frame.coverage[at])) continue;
+          if (share == DirectionMask::Share::kUnknown && sky.may_be_sky(x, y)) continue;
           const std::size_t source = is_alone ? kNone : find_source(frame, x, y, radius);
           if (source != kNone) {
             fillings[row].push_back({at, source});

@@ -40,12 +40,30 @@ class DirectionMask {
   void insert(const DirectionMask& other) {
     for (std::size_t i = 0; i < kBytes; ++i) bits_[i] |= other.bits_[i];
   }
-  bool contains(const glm::dvec3& direction) const {
-    const int bit = bit_of(direction);
-    return bits_[bit / 8] >> (bit % 8) & 1;
+  bool contains(const glm::dvec3& direction) const { return has(bit_of(direction)); }
+
+  /// What holds for every direction of the pyramid between four.
+  enum class Share { kNone, kAll, kUnknown };
+  Share share_between(const std::array<glm::dvec3, 4>& corners) const {
+    int low_row = kEdge, high_row = 0, low_column = kEdge, high_column = 0;
+    const int face = bit_of(corners[0]) / (kEdge * kEdge);
+    for (const glm::dvec3& corner : corners) {
+      const int bit = bit_of(corner), row = bit / kEdge % kEdge, column = bit % kEdge;
+      if (bit / (kEdge * kEdge) != face) return Share::kUnknown;
+      low_row = std::min(low_row, row), high_row = std::max(high_row, row);
+      low_column = std::min(low_column, column), high_column = std::max(high_column, column);
+    }
+    // A face is a convex cone and its squares are rectangles in it: what lies between the corners lies in these.
+    const bool first = has((face * kEdge + low_row) * kEdge + low_column);
+    for (int row = low_row; row <= high_row; ++row) {
+      for (int column = low_column; column <= high_column; ++column)
+        if (has((face * kEdge + row) * kEdge + column) != first) return Share::kUnknown;
+    }
+    return first ? Share::kAll : Share::kNone;
   }
 
  private:
+  bool has(int bit) const { return bits_[bit / 8] >> (bit % 8) & 1; }
   static int bit_of(const glm::dvec3& direction) {
     const int face = dominant_face(direction);
     const CubeFace frame = CubeFace::of(face);
@@ -66,11 +84,17 @@ class SkyTest {
         per_column_(world_from_camera * (camera_direction(display, 1.5, 0.5) - camera_direction(display, 0.5, 0.5))),
         per_row_(world_from_camera * (camera_direction(display, 0.5, 1.5) - camera_direction(display, 0.5, 0.5))) {}
 
-  bool may_be_sky(int x, int y) const {
-    return mask_.contains(first_ + static_cast<double>(x) * per_column_ + static_cast<double>(y) * per_row_);
+  bool may_be_sky(int x, int y) const { return mask_.contains(direction(x, y)); }
+  /// Which of the pixels [left, right] × [top, bottom] may be: some, if not known.
+  DirectionMask::Share share_of_sky(int left, int right, int top, int bottom) const {
+    return mask_.share_between({direction(left, top), direction(right, top), direction(left, bottom), direction(right, bottom)});
   }
 
  private:
+  glm::dvec3 direction(int x, int y) const {
+    return first_ + static_cast<double>(x) * per_column_ + static_cast<double>(y) * per_row_;
+  }
+
   DirectionMask mask_;
   glm::dvec3 first_, per_column_, per_row_;  // the top left pixel's direction and its steps
 };
