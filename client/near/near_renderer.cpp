@@ -23,6 +23,13 @@ struct PreparedLeaf {
   std::size_t bytes = 0;
 };
 
+/// What of a batch a frame draws.
+struct BatchInView {
+  const NearBatch* batch = nullptr;
+  std::size_t first_index = 0, index_count = 0;
+  double distance = 0;  // squared, of its nearest chunk
+};
+
 AffineBox in_camera(const SurfaceBounds& bounds, const glm::dvec3& eye_from_centre, const glm::dmat3& rotation) {
   const glm::dvec3 half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
   return {rotation * (0.5 * (glm::dvec3(bounds.max) + glm::dvec3(bounds.min)) - eye_from_centre),
@@ -45,7 +52,8 @@ struct NearRenderer::State {
   Buffer stream = Buffer::make(1 << 16, true);  // this frame's indices
   std::list<PreparedLeaf> prepared;             // most recently drawn first
   std::vector<std::uint32_t> frame_indices;
-  std::vector<std::pair<double, const MergedChunk*>> in_view;  // squared distance
+  std::vector<std::pair<double, const MergedChunk*>> chunks_in_view;  // of one batch, squared distance
+  std::vector<BatchInView> in_view;
 
   PreparedLeaf& prepare(const LeafView& leaf, NearStatistics& statistics);
   void forget_beyond_budget();
@@ -102,58 +110,43 @@ NearStatistics NearRenderer::draw(const LeafView& leaf, const ViewTransform& vie
   begin_scene_drawing(s.abilities);
   s.programs.begin_frame(view, centre, DepthConvention::of(s.abilities));
 
+  // Nearest first: most of what lies behind fails the depth test before its fragments are looked at.
   s.frame_indices.clear();
-  std::vector<std::size_t> batch_end;
+  s.in_view.clear();
   for (const NearBatch& batch : prepared.batches) {
-    // Nearest first: what lies behind fails the depth test before its fragments are looked at.
-    s.in_view.clear();
+    s.chunks_in_view.clear();
     for (const MergedChunk& chunk : batch.chunks) {
       statistics.triangles_held += chunk.index_count / 3;
       const AffineBox box = in_camera(chunk.bounds, view.eye - centre, view.camera_from_scene);
-      if (view.may_see(box)) s.in_view.push_back({glm::dot(box.centre, box.centre), &chunk});
+      if (view.may_see(box)) s.chunks_in_view.push_back({glm::dot(box.centre, box.centre), &chunk});
     }
-    std::sort(s.in_view.begin(), s.in_view.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& [distance, chunk] : s.in_view) {
+    if (s.chunks_in_view.empty()) continue;
+    std::sort(s.chunks_in_view.begin(), s.chunks_in_view.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    const std::size_t begin = s.frame_indices.size();
+    for (const auto& [distance, chunk] : s.chunks_in_view) {
       const auto first = prepared.indices.begin() + chunk->first_index;
       s.frame_indices.insert(s.frame_indices.end(), first, first + chunk->index_count);
     }
-    statistics.chunks_drawn += static_cast<std::uint32_t>(s.in_view.size());
-    batch_end.push_back(s.frame_indices.size());
+    statistics.chunks_drawn += static_cast<std::uint32_t>(s.chunks_in_view.size());
+    s.in_view.push_back({&batch, begin, s.frame_indices.size() - begin, s.chunks_in_view.front().first});
   }
+  std::sort(s.in_view.begin(), s.in_view.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
   s.stream.rewrite(std::as_bytes(std::span(s.frame_indices)));
   statistics.triangles = s.frame_indices.size() / 3;
 
-  // First depth alone, then colour where that depth is met: each pixel is shaded once, whatever lies behind it.
   glBindVertexArray(prepared.array.name());
   glActiveTexture(GL_TEXTURE0);
-  const auto draw_batches = [&](bool is_depth_only) {
-    std::size_t begin = 0;
-    for (std::size_t i = 0; i < prepared.batches.size(); ++i) {
-      const std::size_t count = batch_end[i] - begin;
-      if (count > 0) {
-        const NearBatch& batch = prepared.batches[i];
-        const auto& texture = leaf.chunks[batch.placed_chunk].texture;
-        const GlName name = texture ? s.textures.use(*texture) : 0;
-        const bool is_masked = name != 0 && batch.is_alpha_masked;
-        glBindTexture(GL_TEXTURE_2D, name);
-        s.programs.use(is_depth_only ? SurfaceVariant{is_masked, is_masked, true}
-                                     : SurfaceVariant{name != 0, false, false},
-                       batch.alpha_cutoff);
-        glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT,
-                       reinterpret_cast<const void*>(begin * sizeof(std::uint32_t)));
-        ++statistics.draw_calls;
-      }
-      begin = batch_end[i];
-    }
-  };
-  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-  draw_batches(true);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glDepthMask(GL_FALSE);
-  glDepthFunc(GL_EQUAL);
-  draw_batches(false);
-  glDepthMask(GL_TRUE);
-  glDepthFunc(GL_GREATER);
+  for (const BatchInView& in_view : s.in_view) {
+    const NearBatch& batch = *in_view.batch;
+    const auto& texture = leaf.chunks[batch.placed_chunk].texture;
+    const GlName name = texture ? s.textures.use(*texture) : 0;
+    glBindTexture(GL_TEXTURE_2D, name);
+    s.programs.use({name != 0, name != 0 && batch.is_alpha_masked}, batch.alpha_cutoff);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(in_view.index_count), GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(in_view.first_index * sizeof(std::uint32_t)));
+    ++statistics.draw_calls;
+  }
   glBindVertexArray(0);
   s.textures.end_frame();
   statistics.uploaded_bytes += s.textures.frame_uploaded_bytes();

@@ -12,11 +12,8 @@ namespace {
 
 constexpr const char* kVertexBody = R"(
 layout(location = 0) in vec3 position;
-invariant gl_Position;  // drawing with GL_EQUAL must meet the depth another variant left
-#ifndef DEPTH_ONLY
 layout(location = 1) in vec3 radiance;
 out vec3 surface_radiance;
-#endif
 layout(location = 2) in vec2 uv;
 uniform vec3 eye;
 uniform mat3 camera_from_frame;
@@ -29,9 +26,7 @@ void main() {
   vec3 q = camera_from_frame * (position - eye);
   float w = -q.z;
   gl_Position = vec4(q.xy * inverse_tangents, depth.x - depth.y * w, w);
-#ifndef DEPTH_ONLY
   surface_radiance = radiance;
-#endif
 #ifdef TEXTURED
   surface_uv = uv;
 #endif
@@ -40,17 +35,14 @@ void main() {
 
 // The level of detail is common/shading's mip_level: from the area, not the longer axis, of a pixel's footprint.
 constexpr const char* kFragmentBody = R"(
-#ifndef DEPTH_ONLY
 in vec3 surface_radiance;
 layout(location = 0) out vec4 colour;
-#endif
 #ifdef TEXTURED
 in vec2 surface_uv;
 uniform highp sampler2D surface_texture;
 uniform float alpha_cutoff;
 #endif
 void main() {
-#ifndef DEPTH_ONLY
   vec3 result = surface_radiance;
 #ifdef TEXTURED
   vec2 dx = dFdx(surface_uv);
@@ -62,7 +54,6 @@ void main() {
   result *= texel.rgb;
 #endif
   colour = vec4(result, 1.0);
-#endif
 #ifdef MASKED
   if (textureLod(surface_texture, surface_uv, 0.0).a < alpha_cutoff) discard;
 #endif
@@ -74,13 +65,11 @@ void main() {
 Result<SurfacePrograms> SurfacePrograms::build() {
   SurfacePrograms result;
   for (int i = 0; i < static_cast<int>(result.variants_.size()); ++i) {
-    const bool is_textured = i & 1, is_masked = i & 2, is_depth_only = i & 4;
+    const bool is_textured = i & 1, is_masked = i & 2;
     if (is_masked && !is_textured) continue;
-    if (is_depth_only && is_textured && !is_masked) continue;
     std::string head = "#version 300 es\nprecision highp float;\n";
     if (is_textured) head += "#define TEXTURED\n";
     if (is_masked) head += "#define MASKED\n";
-    if (is_depth_only) head += "#define DEPTH_ONLY\n";
     Result<Program> program = Program::build("near geometry", head + kVertexBody, head + kFragmentBody);
     if (!program) return tl::unexpected<Error>(program.error());
     Variant& v = result.variants_[static_cast<std::size_t>(i)];

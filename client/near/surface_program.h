@@ -16,11 +16,8 @@ namespace farfield::client {
 struct SurfaceVariant {
   bool is_textured = false;
   bool is_alpha_masked = false;  // requires a texture
-  bool is_depth_only = false;    // textured only where it is masked
 
-  int index() const {
-    return (is_textured ? 1 : 0) + (is_alpha_masked ? 2 : 0) + (is_depth_only ? 4 : 0);
-  }
+  int index() const { return (is_textured ? 1 : 0) + (is_alpha_masked ? 2 : 0); }
 };
 
 /// Alpha of near geometry in the frame target; impostors use one code less. Empty pixels are 0.
@@ -47,7 +44,7 @@ class SurfacePrograms {
     glm::mat3 camera_from_frame{1};
     glm::vec2 inverse_tangents{1}, depth{0};
   };
-  std::array<Variant, 8> variants_;
+  std::array<Variant, 4> variants_;
   FrameValues frame_;
 };
 
