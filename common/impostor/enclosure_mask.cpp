@@ -32,7 +32,8 @@ class BitReader {
 Result<EnclosureMask> EnclosureMask::from_bytes(ByteView bytes) {
   if (bytes.empty()) return EnclosureMask();
   if (bytes.size() > kMaxBytes) {
-    return fail(ErrorCode::kLimitExceeded, "the mask of an enclosure takes {} bytes; at most {} are accepted", bytes.size(), kMaxBytes);
+    return fail(ErrorCode::kLimitExceeded, "the mask of an enclosure takes {} bytes; at most {} are accepted",
+                bytes.size(), kMaxBytes);
   }
   auto tree = std::make_shared<Tree>();
   tree->bytes.assign(bytes.begin(), bytes.end());
@@ -56,7 +57,8 @@ Result<EnclosureMask> EnclosureMask::from_bytes(ByteView bytes) {
   // The first children stand at index 1, which is kInside as well: an unused node in between keeps the two apart.
   tree->nodes.push_back(kOutside);
   if (!read(read, 0, 0) || bits.left() >= 8) {
-    return fail(ErrorCode::kBadData, "the mask of an enclosure ends in the middle, goes on after its end, or is too deep");
+    return fail(ErrorCode::kBadData,
+                "the mask of an enclosure ends in the middle, goes on after its end, or is too deep");
   }
   EnclosureMask mask;
   mask.tree_ = std::move(tree);
@@ -68,7 +70,8 @@ bool EnclosureMask::contains(const Box& cell, const glm::dvec3& point) const {
   constexpr int kEdge = 1 << kMaxDepth;
   const glm::dvec3 place = (point - cell.min) / cell.extent() * static_cast<double>(kEdge);
   int voxel[3];
-  for (int axis = 0; axis < 3; ++axis) voxel[axis] = static_cast<int>(std::clamp(std::floor(place[axis]), 0.0, kEdge - 1.0));
+  for (int axis = 0; axis < 3; ++axis)
+    voxel[axis] = static_cast<int>(std::clamp(std::floor(place[axis]), 0.0, kEdge - 1.0));
   std::uint32_t node = 0;
   for (int bit = kMaxDepth - 1; tree_->nodes[node] > kInside; --bit) {
     const auto half = [&](int axis) { return static_cast<std::uint32_t>(voxel[axis] >> bit & 1); };

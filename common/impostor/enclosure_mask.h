@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where in a cell a viewer may stand for a leaf set to speak for them. Walls cut the free space of a leaf into enclosures
-// that cannot see each other; each gets a leaf set of its own, and a mask tells which set holds at an eye.
+// Where in a cell a viewer may stand for a leaf set to speak for them. Walls cut the free space of a leaf into
+// enclosures that cannot see each other; each gets a leaf set of its own, and a mask tells which set holds at an eye.
 //
-// An octree over the cell: its voxels are inside or outside. Where a voxel of the last depth holds a wall, no mask claims
-// it: there the leaf set that speaks for the whole leaf is used.
+// An octree over the cell: its voxels are inside or outside. Where a voxel of the last depth holds a wall, no mask
+// claims it: there the leaf set that speaks for the whole leaf is used.
 //
-// Bytes: the octree in preorder, bits from the lowest of each byte up. Bit 1: divided, eight children follow, x fastest,
-// then y, then z. Bit 0: not divided, and one more bit says whether it is inside. Unused bits of the last byte are 0. No
-// bytes at all: the whole cell.
+// Bytes: the octree in preorder, bits from the lowest of each byte up. Bit 1: divided, eight children follow, x
+// fastest, then y, then z. Bit 0: not divided, and one more bit says whether it is inside. Unused bits of the last byte
+// are 0. No bytes at all: the whole cell.
 #pragma once
 
 #include <memory>
@@ -35,7 +35,9 @@ class EnclosureMask {
   bool is_near(const Box& cell, const glm::dvec3& point) const;
   ByteView bytes() const { return tree_ ? ByteView(tree_->bytes) : ByteView(); }
 
-  std::size_t memory_bytes() const { return tree_ ? tree_->bytes.size() + sizeof(std::uint32_t) * tree_->nodes.size() : 0; }
+  std::size_t memory_bytes() const {
+    return tree_ ? tree_->bytes.size() + sizeof(std::uint32_t) * tree_->nodes.size() : 0;
+  }
 
   bool operator==(const EnclosureMask& other) const;
 

@@ -7,7 +7,8 @@
 namespace farfield {
 namespace {
 
-// The R2 sequence (Roberts 2018): successive points fill the unit square evenly, so that the viewpoints' grids interleave.
+// The R2 sequence (Roberts 2018): successive points fill the unit square evenly, so that the viewpoints' grids
+// interleave.
 glm::dvec2 jitter_of(std::size_t index) {
   const double x = 0.5 + 0.7548776662466927 * static_cast<double>(index);
   const double y = 0.5 + 0.5698402909980532 * static_cast<double>(index);
@@ -16,14 +17,24 @@ glm::dvec2 jitter_of(std::size_t index) {
 
 // Points of the box that fill it evenly and miss the lattice (R3 sequence); not all of them are free.
 glm::dvec3 fresh_viewpoint(const Box& box, std::size_t index) {
-  const auto place = [&](double step) { const double x = 0.5 + step * static_cast<double>(index + 1); return x - std::floor(x); };
-  return box.min + box.extent() * glm::dvec3(place(0.8191725133961645), place(0.6710436067037893), place(0.5497004779019703));
+  const auto place = [&](double step) {
+    const double x = 0.5 + step * static_cast<double>(index + 1);
+    return x - std::floor(x);
+  };
+  return box.min +
+         box.extent() * glm::dvec3(place(0.8191725133961645), place(0.6710436067037893), place(0.5497004779019703));
 }
 
 class Probe {
  public:
-  Probe(const Scene& scene, const Box& viewpoints, const Box& near_box, const VisibilityProbe& settings, BoxVisibility& result)
-      : scene_(scene), viewpoints_(viewpoints), near_box_(near_box), settings_(settings), result_(result), near_(scene) {}
+  Probe(const Scene& scene, const Box& viewpoints, const Box& near_box, const VisibilityProbe& settings,
+        BoxVisibility& result)
+      : scene_(scene),
+        viewpoints_(viewpoints),
+        near_box_(near_box),
+        settings_(settings),
+        result_(result),
+        near_(scene) {}
 
   void divide(const std::vector<EnclosureMask>& masks) {
     result_.enclosures.resize(masks.size());
@@ -48,13 +59,15 @@ class Probe {
                       near_.insert(chunk);
                       if (near_here) near_here->insert(chunk);
                     } else {
-                      result_.far_hits.push_back({glm::vec3(point), static_cast<float>(weight[lane]), static_cast<std::int8_t>(enclosure)});
+                      result_.far_hits.push_back(
+                          {glm::vec3(point), static_cast<float>(weight[lane]), static_cast<std::int8_t>(enclosure)});
                     }
                   }
                 });
     add(here, result_);
     if (enclosure >= 0) add(here, result_.enclosures[enclosure]);
-    result_.is_cut_short = near_.triangles() > settings_.enough_triangles || (settings_.cancel && settings_.cancel->load());
+    result_.is_cut_short =
+        near_.triangles() > settings_.enough_triangles || (settings_.cancel && settings_.cancel->load());
   }
   void converge() {
     constexpr int kBatches = 3, kBatch = 9;
@@ -66,8 +79,8 @@ class Probe {
       if (result_.is_converged) return;
     }
   }
-  /// Many viewpoints of few rays each: what shows only through a gap, from between the heights of the lattice, is seen from
-  /// some of them.
+  /// Many viewpoints of few rays each: what shows only through a gap, from between the heights of the lattice, is seen
+  /// from some of them.
   void look_through_gaps() {
     constexpr int kGlances = 27;
     const int edge = std::max(4, settings_.edge / 2 / 4 * 4);
@@ -82,7 +95,8 @@ class Probe {
     }
   }
   /// Inserts what is thin among the candidates and was met by no ray yet. `standpoints`: with the enclosure of each.
-  void add_thin(const std::vector<std::uint32_t>& candidates, const std::vector<glm::dvec3>& standpoints, const std::vector<int>& enclosure_of) {
+  void add_thin(const std::vector<std::uint32_t>& candidates, const std::vector<glm::dvec3>& standpoints,
+                const std::vector<int>& enclosure_of) {
     for (int e = -1; e < static_cast<int>(near_of_.size()); ++e) {
       std::vector<glm::dvec3> here;
       for (std::size_t k = 0; k < standpoints.size(); ++k)
@@ -116,7 +130,8 @@ class Probe {
       if (result_.enclosures[e].mask.contains(viewpoints_, point)) return static_cast<int>(e);
     return -1;
   }
-  /// Looks from the next free place of the sequence whose enclosure is wanted. Returns: false if none of the first `tries` is left.
+  /// Looks from the next free place of the sequence whose enclosure is wanted. Returns: false if none of the first
+  /// `tries` is left.
   template <class IsWanted>
   bool look_from_fresh(IsWanted is_wanted, std::size_t tries, int edge) {
     while (tried_ < tries) {
@@ -140,7 +155,8 @@ class Probe {
 
 }  // namespace
 
-BoxVisibility probe_visibility(const Scene& scene, const Box& viewpoints, const Box& near_box, const VisibilityProbe& settings) {
+BoxVisibility probe_visibility(const Scene& scene, const Box& viewpoints, const Box& near_box,
+                               const VisibilityProbe& settings) {
   BoxVisibility result;
   Standpoints stand = find_standpoints(scene, viewpoints);
   Probe probe(scene, viewpoints, near_box, settings, result);
@@ -152,7 +168,8 @@ BoxVisibility probe_visibility(const Scene& scene, const Box& viewpoints, const 
     enclosure_of = std::move(enclosures.of_viewpoint);
     probe.divide(enclosures.masks);
   }
-  for (std::size_t k = 0; k < stand.points.size() && !result.is_cut_short; ++k) probe.look_from(stand.points[k], enclosure_of[k], settings.edge);
+  for (std::size_t k = 0; k < stand.points.size() && !result.is_cut_short; ++k)
+    probe.look_from(stand.points[k], enclosure_of[k], settings.edge);
   if (is_thorough) {
     probe.converge();
     probe.look_through_gaps();

@@ -33,8 +33,8 @@ void set_segment(RayPacket& rays, int lane, const glm::dvec3& from, const glm::d
 constexpr int kNobody = -1;  // label of a voxel: no viewpoint is seen, or those of several enclosures are
 constexpr int kDivided = -2;
 
-// Walls of a large building divide many voxels: beyond these the borders stay as coarse as they are. Every voxel takes at
-// most two bits of a mask, so none is larger than 8 kB.
+// Walls of a large building divide many voxels: beyond these the borders stay as coarse as they are. Every voxel takes
+// at most two bits of a mask, so none is larger than 8 kB.
 constexpr std::size_t kMaxVoxels = std::size_t{1} << 15;
 static_assert(kMaxVoxels / 4 <= EnclosureMask::kMaxBytes);
 
@@ -46,8 +46,14 @@ struct Voxel {
 // The octree of labels, grown breadth first.
 class Octree {
  public:
-  Octree(const Scene& scene, const Box& box, const std::vector<glm::dvec3>& viewpoints, const std::vector<int>& groups, int group_count)
-      : scene_(scene), box_(box), viewpoints_(viewpoints), groups_(groups), group_count_(group_count), joined_(group_count) {}
+  Octree(const Scene& scene, const Box& box, const std::vector<glm::dvec3>& viewpoints, const std::vector<int>& groups,
+         int group_count)
+      : scene_(scene),
+        box_(box),
+        viewpoints_(viewpoints),
+        groups_(groups),
+        group_count_(group_count),
+        joined_(group_count) {}
 
   /// Returns: whether more than one enclosure is left.
   bool grow(int depth) {
@@ -225,7 +231,8 @@ std::vector<int> join_by_sight(const Scene& scene, const std::vector<glm::dvec3>
 namespace {
 
 // Free places of a lattice that none of `viewpoints` sees, a few for each group of places that see each other.
-std::vector<glm::dvec3> find_hidden_places(const Scene& scene, const Box& box, const std::vector<glm::dvec3>& viewpoints) {
+std::vector<glm::dvec3> find_hidden_places(const Scene& scene, const Box& box,
+                                           const std::vector<glm::dvec3>& viewpoints) {
   constexpr int kEdge = 8;
   std::vector<glm::dvec3> hidden;
   std::vector<std::pair<double, int>> near(viewpoints.size());
@@ -233,13 +240,16 @@ std::vector<glm::dvec3> find_hidden_places(const Scene& scene, const Box& box, c
     for (int y = 0; y < kEdge; ++y)
       for (int x = 0; x < kEdge; ++x) {
         // Off the voxels' centres by no simple fraction: walls like to stand on round coordinates.
-        const glm::dvec3 place = box.min + box.extent() * (glm::dvec3(x, y, z) + glm::dvec3(0.4731, 0.5171, 0.4873)) / double{kEdge};
-        for (std::size_t v = 0; v < viewpoints.size(); ++v) near[v] = {glm::distance(place, viewpoints[v]), static_cast<int>(v)};
+        const glm::dvec3 place =
+            box.min + box.extent() * (glm::dvec3(x, y, z) + glm::dvec3(0.4731, 0.5171, 0.4873)) / double{kEdge};
+        for (std::size_t v = 0; v < viewpoints.size(); ++v)
+          near[v] = {glm::distance(place, viewpoints[v]), static_cast<int>(v)};
         const auto count = std::min<std::ptrdiff_t>(kPacketSize, static_cast<std::ptrdiff_t>(near.size()));
         std::partial_sort(near.begin(), near.begin() + count, near.end());
         RayPacket rays;
         rays.active = static_cast<std::uint32_t>((1ull << count) - 1);
-        for (int lane = 0; lane < kPacketSize; ++lane) set_segment(rays, lane, place, viewpoints[near[std::min<std::ptrdiff_t>(lane, count - 1)].second]);
+        for (int lane = 0; lane < kPacketSize; ++lane)
+          set_segment(rays, lane, place, viewpoints[near[std::min<std::ptrdiff_t>(lane, count - 1)].second]);
         if ((rays.active & ~scene.occluded(rays)) == 0) hidden.push_back(place);
       }
   // What is smaller than this many voxels is a nook, and stays with the rest.
@@ -252,9 +262,11 @@ std::vector<glm::dvec3> find_hidden_places(const Scene& scene, const Box& box, c
       const std::size_t count = std::min<std::size_t>(kPacketSize, hidden.size() - k);
       RayPacket rays;
       rays.active = static_cast<std::uint32_t>((1ull << count) - 1);
-      for (std::size_t lane = 0; lane < kPacketSize; ++lane) set_segment(rays, static_cast<int>(lane), first, hidden[k + std::min(lane, count - 1)]);
+      for (std::size_t lane = 0; lane < kPacketSize; ++lane)
+        set_segment(rays, static_cast<int>(lane), first, hidden[k + std::min(lane, count - 1)]);
       const std::uint32_t blocked = scene.occluded(rays);
-      for (std::size_t lane = 0; lane < count; ++lane) (blocked >> lane & 1 ? others : together).push_back(hidden[k + lane]);
+      for (std::size_t lane = 0; lane < count; ++lane)
+        (blocked >> lane & 1 ? others : together).push_back(hidden[k + lane]);
     }
     hidden = std::move(others);
     if (together.size() < kLeastPlaces || !is_free(scene, first)) continue;
@@ -266,7 +278,8 @@ std::vector<glm::dvec3> find_hidden_places(const Scene& scene, const Box& box, c
 
 }  // namespace
 
-Enclosures find_enclosures(const Scene& scene, const Box& box, const std::vector<glm::dvec3>& viewpoints, double finest_voxel_m) {
+Enclosures find_enclosures(const Scene& scene, const Box& box, const std::vector<glm::dvec3>& viewpoints,
+                           double finest_voxel_m) {
   Enclosures result{viewpoints, std::vector<int>(viewpoints.size(), -1), {}};
   std::vector<glm::dvec3> all = viewpoints;
   const std::vector<glm::dvec3> hidden = find_hidden_places(scene, box, viewpoints);
@@ -296,7 +309,9 @@ Enclosures find_enclosures(const Scene& scene, const Box& box, const std::vector
     result.masks.push_back(octree.mask(g));
   }
   if (result.masks.size() < 2) result.masks.clear();
-  const auto mask_at = [&](std::size_t v) { return groups[v] < 0 || result.masks.empty() ? -1 : mask_of[octree.group(groups[v])]; };
+  const auto mask_at = [&](std::size_t v) {
+    return groups[v] < 0 || result.masks.empty() ? -1 : mask_of[octree.group(groups[v])];
+  };
   for (std::size_t v = 0; v < all.size(); ++v) {
     const bool is_given = v < viewpoints.size();
     if (!is_given && (mask_at(v) < 0 || octree.group(groups[v]) != groups[v])) continue;  // a nook after all

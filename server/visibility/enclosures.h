@@ -28,11 +28,13 @@ struct Enclosures {
   std::vector<EnclosureMask> masks;    // disjoint; empty: the box is not worth dividing
 };
 
-/// Divides `box` by what its free `viewpoints` (scene frame, one at least) see of each other, and of an 8×8×8 lattice: free places
-/// that no viewpoint sees may lie in a room between them. A point of the box that sees viewpoints of two enclosures makes
-/// them one: each voxel of an octree is tried in eight places, and those in which different enclosures meet are divided
-/// until their edge is at most `finest_voxel_m` or the mask's depth is used up. There the voxel belongs to nobody.
-/// Deterministic. Some 600 packets of rays where there is one enclosure, else one for each place tried.
-Enclosures find_enclosures(const Scene& scene, const Box& box, const std::vector<glm::dvec3>& viewpoints, double finest_voxel_m);
+/// Divides `box` by what its free `viewpoints` (scene frame, one at least) see of each other, and of an 8×8×8 lattice:
+/// free places that no viewpoint sees may lie in a room between them. A point of the box that sees viewpoints of two
+/// enclosures makes them one: each voxel of an octree is tried in eight places, and those in which different enclosures
+/// meet are divided until their edge is at most `finest_voxel_m` or the mask's depth is used up. There the voxel
+/// belongs to nobody. Deterministic. Some 600 packets of rays where there is one enclosure, else one for each place
+/// tried.
+Enclosures find_enclosures(const Scene& scene, const Box& box, const std::vector<glm::dvec3>& viewpoints,
+                           double finest_voxel_m);
 
 }  // namespace farfield

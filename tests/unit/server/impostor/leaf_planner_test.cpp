@@ -18,7 +18,8 @@ using test::PlacedScene;
 PlacedScene room_in_town() {
   Blocks blocks;
   blocks.quad({-400, -2, 400}, {800, 0, 0}, {0, 0, -800}, {90, 90, 90, 255}, 8);
-  blocks.box({{-3.2, -1.7, -3.2}, {-0.4, 1.7, -0.4}}).room({{-3, -1.5, -3}, {-0.6, 1.5, -0.6}}, {180, 190, 170, 255}, 2);
+  blocks.box({{-3.2, -1.7, -3.2}, {-0.4, 1.7, -0.4}})
+      .room({{-3, -1.5, -3}, {-0.6, 1.5, -0.6}}, {180, 190, 170, 255}, 2);
   for (int z = -3; z <= 3; ++z)
     for (int x = -3; x <= 3; ++x)
       if (x != 0 || z != 0) blocks.box(test::cube({40.0 * x, 3, 40.0 * z}, 5));
@@ -28,11 +29,12 @@ PlacedScene room_in_town() {
 class LeafPlannerTest : public testing::Test {
  protected:
   LeafPlannerTest() : placed(room_in_town()) {
-    settings.finest_side_m = 8;  // one leaf holds the room and some of what is around it …
+    settings.finest_side_m = 8;    // one leaf holds the room and some of what is around it …
     settings.near_triangles = 60;  // … and few of the blocks are near
     const NestedShells shells{grid(), settings.kappa};
     const auto tree = std::make_shared<CellTree>(placed.scene, shells, settings.near_triangles);
-    leaves = std::make_shared<LeafPlanner>(placed.scene, tree, std::make_shared<ViewCatalogue>(placed.scene, tree, shells, settings), shells, settings);
+    leaves = std::make_shared<LeafPlanner>(
+        placed.scene, tree, std::make_shared<ViewCatalogue>(placed.scene, tree, shells, settings), shells, settings);
   }
   SharedPlan plan_of(const glm::dvec3& world) {
     const CellId leaf = leaves->leaf_at(placed.at(world), nullptr).value();
@@ -51,7 +53,8 @@ TEST_F(LeafPlannerTest, InAClosedRoomTheOuterShellsCostNothing) {
   ASSERT_TRUE(grid().box(whole->leaf).contains(placed.at(outside))) << "or this test shows nothing";
   EXPECT_GT(whole->tiles.size(), 20u);
   ASSERT_EQ(whole->enclosures.size(), 2u);
-  const SharedPlan inside = plan_at(whole, grid(), placed.at(in_room)), street = plan_at(whole, grid(), placed.at(outside));
+  const SharedPlan inside = plan_at(whole, grid(), placed.at(in_room)),
+                   street = plan_at(whole, grid(), placed.at(outside));
   ASSERT_NE(inside, whole);
   ASSERT_NE(street, whole);
   EXPECT_FALSE(inside->is_same_as(*street));

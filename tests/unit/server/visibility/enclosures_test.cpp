@@ -37,8 +37,13 @@ int mask_at(const Enclosures& found, const PlacedScene& placed, const Box& world
 
 TEST(JoinBySight, ThoseWhoSeeEachOtherOrAThirdAreTogether) {
   // Two see each other around the end of a screen only by way of the third.
-  const PlacedScene placed = Blocks().box({{-0.1, -4, -4}, {0.1, 4, 4}}).room({{19, -1, -1}, {21, 1, 1}}).box({{18, -2, -2}, {22, 2, 2}}).build();
-  const std::vector<glm::dvec3> viewpoints{placed.at({-2, 0, 0}), placed.at({20, 0, 0}), placed.at({2, 0, 0}), placed.at({0, 9, 0})};
+  const PlacedScene placed = Blocks()
+                                 .box({{-0.1, -4, -4}, {0.1, 4, 4}})
+                                 .room({{19, -1, -1}, {21, 1, 1}})
+                                 .box({{18, -2, -2}, {22, 2, 2}})
+                                 .build();
+  const std::vector<glm::dvec3> viewpoints{placed.at({-2, 0, 0}), placed.at({20, 0, 0}), placed.at({2, 0, 0}),
+                                           placed.at({0, 9, 0})};
   EXPECT_EQ(join_by_sight(*placed.scene, viewpoints), (std::vector<int>{0, 1, 0, 0}));
   EXPECT_EQ(join_by_sight(*placed.scene, {viewpoints[0], viewpoints[2]}), (std::vector<int>{0, 1}));
 }
@@ -81,7 +86,8 @@ TEST(Enclosures, ARoomBetweenTheViewpointsIsFound) {
   const Box walls{{-3.2, -1.7, -3.2}, {-0.4, 1.7, -0.4}}, room{{-3, -1.5, -3}, {-0.6, 1.5, -0.6}};
   const PlacedScene placed = Blocks().room({{-30, -30, -30}, {30, 30, 30}}).box(walls).room(room).build();
   const Box box = test::cube({0, 0, 0}, 8);
-  for (const glm::dvec3& point : find_standpoints(*placed.scene, placed.at(box)).points) ASSERT_FALSE(placed.at(room).contains(point));
+  for (const glm::dvec3& point : find_standpoints(*placed.scene, placed.at(box)).points)
+    ASSERT_FALSE(placed.at(room).contains(point));
   const Enclosures found = enclosures_of(placed, box);
   ASSERT_EQ(found.masks.size(), 2u);
   const int inside = mask_at(found, placed, box, {-1.8, 0.2, -1.8}), outside = mask_at(found, placed, box, {3, 2, 2});
@@ -99,7 +105,8 @@ TEST(Enclosures, ARoomBetweenTheViewpointsIsFound) {
 
 TEST(Enclosures, AreTheSameEveryTime) {
   const PlacedScene placed = divided_hall(0);
-  const Enclosures a = enclosures_of(placed, test::cube({0, 0, 0}, 8)), b = enclosures_of(placed, test::cube({0, 0, 0}, 8));
+  const Enclosures a = enclosures_of(placed, test::cube({0, 0, 0}, 8)),
+                   b = enclosures_of(placed, test::cube({0, 0, 0}, 8));
   EXPECT_EQ(a.masks, b.masks);
   EXPECT_EQ(a.of_viewpoint, b.of_viewpoint);
   EXPECT_EQ(a.viewpoints, b.viewpoints);
