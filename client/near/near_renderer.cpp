@@ -137,6 +137,7 @@ NearStatistics NearRenderer::draw(const LeafView& leaf, const ViewTransform& vie
 
   glBindVertexArray(prepared.array.name());
   glActiveTexture(GL_TEXTURE0);
+  glDepthFunc(GL_GEQUAL);  // of surfaces in one plane the one listed last shows, as rays mostly have it
   for (const BatchInView& in_view : s.in_view) {
     const NearBatch& batch = *in_view.batch;
     const auto& texture = leaf.chunks[batch.placed_chunk].texture;
@@ -147,6 +148,7 @@ NearStatistics NearRenderer::draw(const LeafView& leaf, const ViewTransform& vie
                    reinterpret_cast<const void*>(in_view.first_index * sizeof(std::uint32_t)));
     ++statistics.draw_calls;
   }
+  glDepthFunc(GL_GREATER);
   glBindVertexArray(0);
   s.textures.end_frame();
   statistics.uploaded_bytes += s.textures.frame_uploaded_bytes();
