@@ -83,7 +83,8 @@ CellTree::Kind CellTree::decide(const CellId& cell) {
   // A coarse probe finds most of what is visible: enough to reject a cell that is far above the budget.
   if (probe_visibility(*scene_, box, near_box, {.edge = 32, .enough_triangles = near_triangles_, .is_thorough = false}).is_cut_short)
     return Kind::kInner;
-  auto fine = std::make_shared<BoxVisibility>(probe_visibility(*scene_, box, near_box, {.enough_triangles = near_triangles_, .enclosure_voxel_m = voxel_m_}));
+  auto fine = std::make_shared<BoxVisibility>(probe_visibility(
+      *scene_, box, near_box, {.enough_triangles = near_triangles_, .enclosure_voxel_m = voxel_m_}));
   // A cell that samples of its viewpoints cannot speak for is divided until they can.
   if (fine->is_cut_short || !fine->is_converged) return Kind::kInner;
   remember(cell, std::move(fine));
@@ -118,7 +119,8 @@ Result<std::shared_ptr<const BoxVisibility>> CellTree::visibility(const CellId& 
       }
   }
   const Box near_box = shells_.near_region(cell);
-  auto made = std::make_shared<BoxVisibility>(probe_visibility(*scene_, shells_.grid.box(cell), near_box, {.enclosure_voxel_m = voxel_m_, .cancel = pointer(cancel)}));
+  auto made = std::make_shared<BoxVisibility>(probe_visibility(
+      *scene_, shells_.grid.box(cell), near_box, {.enclosure_voxel_m = voxel_m_, .cancel = pointer(cancel)}));
   // Where everything near fits the budget nothing needs to be left out.
   const std::vector<std::uint32_t> all = scene_->chunks_in(near_box);
   if (const std::size_t triangles = triangles_of(all); triangles <= near_triangles_) {
