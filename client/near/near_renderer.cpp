@@ -137,7 +137,7 @@ NearStatistics NearRenderer::draw(const LeafView& leaf, const ViewTransform& vie
 
   glBindVertexArray(prepared.array.name());
   glActiveTexture(GL_TEXTURE0);
-  glDepthFunc(GL_GEQUAL);  // of surfaces in one plane the one listed last shows, as rays mostly have it
+  glDepthFunc(GL_GEQUAL);  // of surfaces in one plane the one drawn last shows: nearer to what rays find
   for (const BatchInView& in_view : s.in_view) {
     const NearBatch& batch = *in_view.batch;
     const auto& texture = leaf.chunks[batch.placed_chunk].texture;

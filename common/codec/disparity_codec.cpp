@@ -38,6 +38,8 @@ std::int64_t round_shift(std::int64_t value, int shift) {
   return shift == 0 ? value : (value + (std::int64_t{1} << (shift - 1))) >> shift;
 }
 
+static_assert(kTileSamples % kLargestNode == 0, "nodes do not reach beyond a dense tile; packed ones consist of blocks");
+
 // The structure both sides share: nodes and predictions.
 class PlaneTree {
  protected:

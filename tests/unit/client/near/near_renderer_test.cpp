@@ -191,6 +191,21 @@ TEST_F(NearRendererTest, BorderIsHalfOpen) {
   EXPECT_EQ(colour_[4 * pixel(80, 60) + 3], 0);
 }
 
+TEST_F(NearRendererTest, OfSurfacesInOnePlaneTheLastDrawnShows) {
+  Chunk walls = wall(1.0f);
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    walls.vertices.push_back(walls.vertices[corner]);
+    walls.vertices.back().colour = {20, 20, 200, 255};
+  }
+  walls.indices.insert(walls.indices.end(), {4, 5, 6, 4, 6, 7});
+  glm::mat4x3 placement{1};
+  placement[3] = {0, 0, -1.0f};
+  add(std::move(walls), placement);
+  draw({});
+  const std::uint8_t* seen = &colour_[4 * pixel(60, 60)];
+  EXPECT_GT(seen[2], seen[0]) << "the blue wall was listed after the yellow one";
+}
+
 TEST_F(NearRendererTest, AlphaMaskCutsHoles) {
   glm::mat4x3 placement{1};
   placement[3] = {0, 0, -1.0f};
