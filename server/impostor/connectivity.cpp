@@ -57,18 +57,37 @@ void open_borders(const Tile& tile, std::vector<std::uint8_t>& settled) {
   }
 }
 
-// Which end a ray between the two samples saw: the nearer guess of two planes, or the covered end if only one is.
+// The disparities that stand for the two ends of an edge, `at` of the way along it: each one's plane there, and, as curved
+// surfaces leave their planes near a silhouette, its own.
+struct Ends {
+  float first_low, first_high, second_low, second_high;
+
+  // Requires: both are covered.
+  Ends(const Edge& edge, const SampleArrays& s, float at) {
+    const std::vector<float>& gradient = edge.is_down ? s.gradient_j : s.gradient_i;
+    const float first = s.disparity[edge.first], on_first = first + gradient[edge.first] * at;
+    const float second = s.disparity[edge.second], on_second = second - gradient[edge.second] * (1 - at);
+    first_low = std::min(first, on_first), first_high = std::max(first, on_first);
+    second_low = std::min(second, on_second), second_high = std::max(second, on_second);
+  }
+  // Below which disparity everything belongs to the farther end, 0 if the two are not apart.
+  float farther_below() const {
+    if (first_low > second_high) return 0.5f * (first_low + second_high);
+    return second_low > first_high ? 0.5f * (second_low + first_high) : 0.0f;
+  }
+  bool is_first_closer_to(float disparity) const {
+    const float from_first = std::min(std::abs(first_low - disparity), std::abs(first_high - disparity));
+    const float from_second = std::min(std::abs(second_low - disparity), std::abs(second_high - disparity));
+    return from_first <= from_second;
+  }
+};
+
+// Which end a ray between the two samples saw: that whose surface is closer to the hit, or the covered end if only one is.
 bool sees_first(const Edge& edge, const SampleArrays& s, float at, bool hit, float disparity) {
   const bool first = s.covered[edge.first], second = s.covered[edge.second];
   if (!first || !second) return hit == first;
-  if (!hit) return s.disparity[edge.first] < s.disparity[edge.second];  // past both: the farther surface has ended
-  const std::vector<float>& gradient = edge.is_down ? s.gradient_j : s.gradient_i;
-  const float from_first = std::abs(s.disparity[edge.first] + gradient[edge.first] * at - disparity);
-  const float from_second = std::abs(s.disparity[edge.second] - gradient[edge.second] * (1 - at) - disparity);
-  // Curved surfaces leave their tangent planes near a silhouette: the ends' own disparities vote as well.
-  const float first_end = std::min(from_first, std::abs(s.disparity[edge.first] - disparity));
-  const float second_end = std::min(from_second, std::abs(s.disparity[edge.second] - disparity));
-  return first_end <= second_end;
+  if (!hit) return s.disparity[edge.first] < s.disparity[edge.second];  // past the nearer one: the farther, if it has not ended
+  return Ends(edge, s, at).is_first_closer_to(disparity);
 }
 
 // How much further a surface is drawn where it runs on beyond the shell's border, in eighths of a sample: outlines are
@@ -104,6 +123,10 @@ void bisect(const Scene& scene, const CellSpace& space, const ViewFrame& frame, 
         set_ray(rays, lane, frame.position,
                 frame.direction(sample_i[edge.first] + (edge.is_down ? 0 : at), sample_j[edge.first] + (edge.is_down ? at : 0)),
                 space.shell);
+        if (!samples.covered[edge.first] || !samples.covered[edge.second]) continue;
+        // What lies too deep to change the answer need not be found.
+        const float farther_below = Ends(edge, samples, static_cast<float>(at)).farther_below();
+        if (farther_below > 0) rays.far[lane] = std::min(rays.far[lane], static_cast<float>(frame.side_m) / farther_below);
       }
       scene.intersect(rays, hits);
       for (int lane = 0; lane < count; ++lane) {

@@ -12,9 +12,15 @@ namespace {
 // as void. At two, a tenth more bytes gain a tenth of a decibel.
 constexpr double kLargestStretch = 3.0;
 
-// Blocks that miss fewer of their 64 samples are left out: single leaves seen between leaves. They are a tenth of the
-// bytes in foliage, and their voids a few thousandths of a percent of a frame.
-constexpr std::size_t kFewestNeeded = 3;
+// Blocks that miss fewer of their 64 samples are left out: what shows between leaves. At three, a hundredth of the bytes
+// costs a street with trees a fifteenth more void.
+constexpr std::size_t kFewestNeeded = 2;
+
+// A block is cast in patches of a packet each, where a probe finds a void or one reaches on from the next patch: what is
+// missing runs along the rims of nearer things, through a third of a block's samples.
+constexpr int kPatchSamples = 4;
+constexpr int kBlockPatches = kBlockSamples / kPatchSamples;
+static_assert(kPatchSamples * kPatchSamples == kPacketSize);
 
 // What a ray of this view hit, until an earlier view is found to hold it.
 struct OpenSample {
@@ -44,10 +50,10 @@ class DeltaCaster {
     return !visible_ || visible_->contains(id_.face, fx * kBlockSamples, fy * kBlockSamples);
   }
 
-  // Blocks in which one of four rays meets a void; four blocks a packet. The ring around the region is probed with it: a
-  // void that reaches across the border counts for the block inside.
+  // Patches whose one ray meets a void; four blocks a packet. The ring of blocks around the region is probed with it: a
+  // void that reaches across the border counts for the patch inside.
   std::vector<glm::ivec2> find_voids() const {
-    const int stride = columns_ + 2;
+    const int stride = (columns_ + 2) * kBlockPatches;
     std::vector<OpenSample> open;
     for (int y = -1; y <= rows_; y += 2)
       for (int x = -1; x <= columns_; x += 2) {
@@ -59,7 +65,7 @@ class DeltaCaster {
           const glm::ivec2 block = block_of(lane);
           if (!is_visible(block.x, block.y)) continue;
           rays.active |= 1u << lane;
-          // Off the grid's diagonals, so that lines along the axes are met by each of the four.
+          // One in each patch, off the grid's diagonals, so that lines along the axes are met by each of the four.
           constexpr double kPlaces[4][2] = {{1.0, 2.5}, {4.5, 1.0}, {2.5, 6.0}, {6.0, 4.5}};
           const double i = face_block_x(block.x) * kBlockSamples + kPlaces[lane % 4][0];
           const double j = face_block_y(block.y) * kBlockSamples + kPlaces[lane % 4][1];
@@ -69,27 +75,24 @@ class DeltaCaster {
         scene_.intersect(rays, hits);
         for (int lane = 0; lane < kPacketSize; ++lane) {
           if (!(rays.active >> lane & 1) || hits.part[lane] == kNoHit) continue;
-          const glm::ivec2 block = block_of(lane);
+          const glm::ivec2 patch = (block_of(lane) + 1) * kBlockPatches + glm::ivec2(lane % 2, lane / 2 % 2);
           open.push_back({hit_point(rays, hits, lane), {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]},
-                          (block.y + 1) * stride + block.x + 1});
+                          patch.y * stride + patch.x});
         }
       }
     drop_held_by_earlier(open);
-    std::vector<std::uint8_t> has_void(static_cast<std::size_t>(stride) * (rows_ + 2), 0);
-    for (const OpenSample& sample : open) has_void[sample.index] = 1;
-    std::vector<glm::ivec2> blocks;
-    for (int y = -1; y <= rows_; ++y)
-      for (int x = -1; x <= columns_; ++x)
-        if (has_void[static_cast<std::size_t>(y + 1) * stride + x + 1])
-          blocks.push_back({std::clamp(x, 0, columns_ - 1), std::clamp(y, 0, rows_ - 1)});
-    return blocks;
+    std::vector<glm::ivec2> patches;
+    const glm::ivec2 last = glm::ivec2(columns_, rows_) * kBlockPatches - 1;
+    for (const OpenSample& sample : open)
+      patches.push_back(glm::clamp(glm::ivec2(sample.index % stride, sample.index / stride) - kBlockPatches, glm::ivec2(0), last));
+    return patches;
   }
 
   // What is left no earlier view holds.
   void drop_held_by_earlier(std::vector<OpenSample>& open) const {
     for (int view = 0; view < id_.view && !open.empty(); ++view)
       drop_held(
-          scene_, space_, slack_, views_[view], open,
+          scene_, space_, slack_, PointSpacing::kDense, views_[view], open,
           [&](const OpenSample& sample) { return stretches(sample.point, sample.normal, view); }, [](const OpenSample&) {});
   }
 
@@ -129,34 +132,47 @@ class RegionSamples {
   RegionSamples(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const DeltaCaster& caster)
       : width(caster.columns() * kBlockSamples), height(caster.rows() * kBlockSamples),
         arrays(static_cast<std::size_t>(width) * height), needed(static_cast<std::size_t>(width) * height, 0), scene_(scene), space_(space),
-        frame_(frame), caster_(caster), is_cast_(static_cast<std::size_t>(caster.columns()) * caster.rows(), 0) {}
+        frame_(frame), caster_(caster),
+        is_cast_(static_cast<std::size_t>(width / kPatchSamples) * static_cast<std::size_t>(height / kPatchSamples), 0) {}
 
   int index(int x, int y) const { return y * width + x; }
 
-  // Casts the given blocks and, as long as a void reaches the edge of a block, the block beyond.
+  // Casts the given patches and, as long as a void reaches the edge of a patch, the patch beyond.
   void cast(std::vector<glm::ivec2> wanted) {
+    std::vector<glm::ivec2> fresh;
     while (!wanted.empty()) {
-      const std::size_t first = blocks.size();
+      fresh.clear();
       std::vector<OpenSample> open;
-      for (const glm::ivec2& block : wanted) {
-        if (block.x < 0 || block.y < 0 || block.x >= caster_.columns() || block.y >= caster_.rows()) continue;
-        std::uint8_t& is_cast = is_cast_[static_cast<std::size_t>(block.y) * caster_.columns() + block.x];
-        if (is_cast || !caster_.is_visible(block.x, block.y)) continue;
+      for (const glm::ivec2& patch : wanted) {
+        if (patch.x < 0 || patch.y < 0 || patch.x >= width / kPatchSamples || patch.y >= height / kPatchSamples) continue;
+        std::uint8_t& is_cast = is_cast_[place_of(patch)];
+        if (is_cast || !caster_.is_visible(patch.x / kBlockPatches, patch.y / kBlockPatches)) continue;
         is_cast = 1;
-        for (int quarter = 0; quarter < 4; ++quarter)
-          cast_packet(block * kBlockSamples + glm::ivec2(quarter % 2, quarter / 2) * 4, open);
-        blocks.push_back(block);
+        cast_packet(patch * kPatchSamples, open);
+        fresh.push_back(patch);
       }
       caster_.drop_held_by_earlier(open);
       for (const OpenSample& sample : open) needed[sample.index] = 1;
-      for (std::size_t b = first; b < blocks.size(); ++b) infer_needed(blocks[b]);
+      for (const glm::ivec2& patch : fresh) infer_needed(patch);
       wanted.clear();
-      for (std::size_t b = first; b < blocks.size(); ++b)
+      for (const glm::ivec2& patch : fresh)
         for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(-1, 0), glm::ivec2(0, 1), glm::ivec2(0, -1)})
-          if (is_needed_at_edge(blocks[b], step)) wanted.push_back(blocks[b] + step);
+          if (is_needed_at_edge(patch, step)) wanted.push_back(patch + step);
+      patches += fresh.size();
     }
-    // By column, then row: the order in which the format lists blocks.
-    std::sort(blocks.begin(), blocks.end(), [](const glm::ivec2& a, const glm::ivec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  }
+
+  // Those of which something was cast, by column, then row: the order in which the format lists blocks.
+  std::vector<glm::ivec2> blocks() const {
+    std::vector<glm::ivec2> result;
+    for (int x = 0; x < caster_.columns(); ++x)
+      for (int y = 0; y < caster_.rows(); ++y) {
+        bool any = false;
+        for (int k = 0; k < kBlockPatches * kBlockPatches; ++k)
+          any = any || is_cast_[place_of(glm::ivec2(x, y) * kBlockPatches + glm::ivec2(k % kBlockPatches, k / kBlockPatches))];
+        if (any) result.push_back({x, y});
+      }
+    return result;
   }
 
   // A needed sample brings its four neighbours along, so that its surface meets the one that another view holds.
@@ -177,13 +193,16 @@ class RegionSamples {
   const int width, height;
   SampleArrays arrays;
   std::vector<std::uint8_t> needed;
-  std::vector<glm::ivec2> blocks;  // that were cast
+  std::size_t patches = 0;  // that were cast
 
  private:
-  bool is_needed_at_edge(const glm::ivec2& block, const glm::ivec2& step) const {
-    for (int k = 0; k < kBlockSamples; ++k) {
-      const int x = step.x > 0 ? kBlockSamples - 1 : step.x < 0 ? 0 : k, y = step.y > 0 ? kBlockSamples - 1 : step.y < 0 ? 0 : k;
-      if (needed[index(block.x * kBlockSamples + x, block.y * kBlockSamples + y)]) return true;
+  std::size_t place_of(const glm::ivec2& patch) const {
+    return static_cast<std::size_t>(patch.y) * static_cast<std::size_t>(width / kPatchSamples) + static_cast<std::size_t>(patch.x);
+  }
+  bool is_needed_at_edge(const glm::ivec2& patch, const glm::ivec2& step) const {
+    for (int k = 0; k < kPatchSamples; ++k) {
+      const int x = step.x > 0 ? kPatchSamples - 1 : step.x < 0 ? 0 : k, y = step.y > 0 ? kPatchSamples - 1 : step.y < 0 ? 0 : k;
+      if (needed[index(patch.x * kPatchSamples + x, patch.y * kPatchSamples + y)]) return true;
     }
     return false;
   }
@@ -203,9 +222,9 @@ class RegionSamples {
   // Whether earlier views hold a sample is asked of every other one, as on a chessboard. One between two that are needed is
   // needed as well.
   static bool is_asked_about(int x, int y) { return (x + y) % 2 == 0; }
-  void infer_needed(const glm::ivec2& block) {
-    for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
-      const int x = block.x * kBlockSamples + k % kBlockSamples, y = block.y * kBlockSamples + k / kBlockSamples;
+  void infer_needed(const glm::ivec2& patch) {
+    for (int k = 0; k < kPacketSize; ++k) {
+      const int x = patch.x * kPatchSamples + k % kPatchSamples, y = patch.y * kPatchSamples + k / kPatchSamples;
       if (is_asked_about(x, y) || !arrays.covered[index(x, y)]) continue;
       const int beside = (x > 0 && needed[index(x - 1, y)]) + (x + 1 < width && needed[index(x + 1, y)]);
       const int above_or_below = (y > 0 && needed[index(x, y - 1)]) + (y + 1 < height && needed[index(x, y + 1)]);
@@ -253,12 +272,13 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   if (voids.empty()) return tile;
   RegionSamples region(scene, space, frame, caster);
   region.cast(std::move(voids));
-  skips.blocks_cast += region.blocks.size();
-  work.rays += region.blocks.size() * kBlockSamples * kBlockSamples;
+  const std::vector<glm::ivec2> blocks = region.blocks();
+  skips.blocks_cast += blocks.size();
+  work.rays += region.patches * kPacketSize;
   const std::vector<std::uint8_t> kept = region.with_border();
 
   std::vector<glm::ivec2> full;
-  for (const glm::ivec2& block : region.blocks) {
+  for (const glm::ivec2& block : blocks) {
     std::size_t count = 0;
     for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
       const int index = region.index(block.x * kBlockSamples + k % kBlockSamples, block.y * kBlockSamples + k / kBlockSamples);

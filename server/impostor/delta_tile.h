@@ -11,13 +11,14 @@
 namespace farfield {
 
 struct DeltaSkips {
-  std::size_t blocks_probed = 0, blocks_cast = 0;   // blocks without a void are never cast
+  std::size_t blocks_probed = 0, blocks_cast = 0;   // of blocks without a void nothing is cast
   std::size_t samples_held = 0;                     // cast, but redundant
 };
 
-/// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe (four rays per block) finds blocks
-/// with voids; these are cast whole, and so are the blocks beside them that their voids reach into; samples that an earlier view holds at no less than half this
-/// one's resolution are dropped, except for a one-sample border that meets the held surface.
+/// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe, one ray for each patch of 4×4 samples,
+/// finds voids; these patches are cast whole, and so are those beside them that their voids reach into. Samples that an
+/// earlier view holds at no less than a third of this one's resolution are dropped, except for a one-sample border that
+/// meets the held surface.
 /// `visible`: blocks outside it are neither probed nor cast; null: all may be.
 /// Returns: a packed tile, without blocks if nothing is missing.
 Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,

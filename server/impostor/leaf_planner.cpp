@@ -52,7 +52,7 @@ class ShellNeeds {
   void ask_delta_views() {
     // Of each point the first view that holds it.
     for (std::size_t view = 0; view < views_->positions.size() && !waiting_.empty(); ++view)
-      drop_held(scene_, space_, slack_, views_->positions[view], waiting_, [&](const FarHit& hit) {
+      drop_held(scene_, space_, slack_, PointSpacing::kSparse, views_->positions[view], waiting_, [&](const FarHit& hit) {
         mark(static_cast<int>(view), hit);
       });
     waiting_.clear();

@@ -68,7 +68,7 @@ class ViewSearch {
 
  private:
   void drop_held(Candidate& candidate, const glm::dvec3& view) const {
-    farfield::drop_held(scene_, space_, slack_, view, candidate.unheld, [](const Unheld&) {});
+    farfield::drop_held(scene_, space_, slack_, PointSpacing::kSparse, view, candidate.unheld, [](const Unheld&) {});
     candidate.void_sr = 0;
     for (const Unheld& u : candidate.unheld) candidate.void_sr += u.solid_angle;
   }

@@ -29,6 +29,7 @@ class RayScene {
 
   void intersect(const RayPacket& rays, HitPacket& hits, bool coherent) const;
   std::uint32_t occluded(const RayPacket& rays) const;
+  std::uint32_t occluded_coherent(const RayPacket& rays) const;
 
  private:
   struct State;

@@ -39,6 +39,9 @@ void Scene::intersect_scattered(const RayPacket& rays, HitPacket& hits) const {
 std::uint32_t Scene::occluded(const RayPacket& rays) const {
   return state_->rays.occluded(rays);
 }
+std::uint32_t Scene::occluded_coherent(const RayPacket& rays) const {
+  return state_->rays.occluded_coherent(rays);
+}
 
 std::span<const SceneChunk> Scene::chunks() const {
   return state_->placed.chunks;

@@ -73,6 +73,8 @@ class Scene {
   void intersect_scattered(const RayPacket& rays, HitPacket& hits) const;
   /// Bit i set: something lies between near and far on ray i.
   std::uint32_t occluded(const RayPacket& rays) const;
+  /// The same for rays that stay close together: a packet's way to the closest hits is shorter than its rays' own to any.
+  std::uint32_t occluded_coherent(const RayPacket& rays) const;
 
   // ── shading ──
   /// Linear radiance of the active lanes that hit. `pixel_angle`: the tangent of the angle one sample covers, so its footprint is

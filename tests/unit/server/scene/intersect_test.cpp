@@ -61,6 +61,7 @@ TEST(Intersect, AgreesWithBruteForceOverTheChunksThatClientsDraw) {
     HitPacket hits;
     round % 2 ? scene->intersect(rays, hits) : scene->intersect_scattered(rays, hits);
     const std::uint32_t occluded = scene->occluded(rays);
+    EXPECT_EQ(scene->occluded_coherent(rays), occluded);
     EXPECT_EQ(hits.part[3], kNoHit) << "an inactive lane";
     EXPECT_EQ(occluded >> 3 & 1, 0u);
     for (int i = 0; i < kPacketSize; ++i) {
@@ -102,6 +103,7 @@ TEST(Intersect, FarLimitsTheRayAndNearStartsIt) {
   EXPECT_EQ(hits.part[2], kNoHit);
   EXPECT_EQ(hits.part[3], kNoHit);
   EXPECT_EQ(scene->occluded(rays), 0xfff1u);
+  EXPECT_EQ(scene->occluded_coherent(rays), 0xfff1u);
 }
 
 TEST(Intersect, InstancesEqualTheirFlattenedCopies) {
@@ -227,6 +229,7 @@ TEST(Intersect, AlphaMaskLetsRaysThroughItsHoles) {
     rays.far[i] = 2.0f;
   }
   EXPECT_EQ(scene->occluded(rays), 0xff00u);
+  EXPECT_EQ(scene->occluded_coherent(rays), 0xff00u);
   scene->intersect_scattered(rays, hits);
   for (int i = 0; i < kPacketSize; ++i) EXPECT_EQ(hits.part[i] == kNoHit, i < 8) << "lane " << i;
 }
