@@ -143,6 +143,11 @@ bool lands(const Reaches& reaches, int k) {
   return reaches.left[k] <= reaches.right[k] && reaches.top[k] <= reaches.bottom[k];
 }
 
+bool is_hidden(const Reaches& reaches, int k, const PixelWindow& window, const std::uint64_t* keys) {
+  const PixelRectangle pixels{reaches.left[k], reaches.right[k], reaches.top[k], reaches.bottom[k]};
+  return are_hidden(pixels, reaches.nearest[k], window.width, keys);
+}
+
 }  // namespace
 
 VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
@@ -156,13 +161,11 @@ VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats
   tile.whole_rows(boxes);
   to_window.project(boxes, rows);
   for (int j = 0; j < splats.blocks.rows; ++j) {
-    if (!lands(rows, j)) continue;
+    if (!lands(rows, j) || is_hidden(rows, j, window, keys)) continue;
     tile.row_of_squares(j, boxes);
     to_window.project(boxes, squares);
     for (int c = 0; c < kColumns; ++c) {
-      if (!lands(squares, c)) continue;
-      const PixelRectangle pixels{squares.left[c], squares.right[c], squares.top[c], squares.bottom[c]};
-      if (!are_hidden(pixels, squares.nearest[c], window.width, keys)) visible[j] |= 1u << c;
+      if (lands(squares, c) && !is_hidden(squares, c, window, keys)) visible[j] |= 1u << c;
     }
   }
   return visible;

@@ -102,10 +102,11 @@ void CpuWarper::State::for_each_band(int width, int height, F&& f) {
 void CpuWarper::State::find_jobs(const LeafView& leaf, const Pose& eye) {
   jobs.clear();
   statistics = {};
+  const glm::dmat3 pixels = pixels_from_directions(eye.world_from_camera, display);
   for (const auto& tile : leaf.tiles) {
     TileJob job;
     job.splats = &tile->splats;
-    job.projection = TileProjection::of(*tile, eye, display);
+    job.projection = TileProjection::of(*tile, eye.position, pixels);
     job.footprint = find_footprint(job.projection, tile->splats, display);
     if (!job.footprint.is_visible) continue;
     statistics.samples_drawn += tile->splats.drawn;

@@ -11,25 +11,19 @@
 
 namespace farfield::client {
 
-TileProjection TileProjection::of(const DecodedTile& tile, const Pose& eye, const Display& display) {
-  const glm::dmat3 camera_from_scene = glm::transpose(glm::mat3_cast(eye.world_from_camera));
-  const double per_pitch = 1.0 / display.pixel_pitch();
-  const auto to_pixels = [&](const glm::dvec3& direction) {
-    const glm::dvec3 q = camera_from_scene * direction;
-    return glm::dvec3(-0.5 * display.width * q.z + q.x * per_pitch, -0.5 * display.height * q.z - q.y * per_pitch,
-                      -q.z);
-  };
+glm::dmat3 pixels_from_directions(const glm::dquat& world_from_camera, const Display& display) {
+  const double width = 0.5 * display.width, height = 0.5 * display.height, per_pitch = 1.0 / display.pixel_pitch();
+  const glm::dmat3 pixels_from_camera(per_pitch, 0, 0, 0, -per_pitch, 0, -width, -height, -1);
+  return pixels_from_camera * glm::transpose(glm::mat3_cast(world_from_camera));
+}
+
+TileProjection TileProjection::of(const DecodedTile& tile, const glm::dvec3& eye, const glm::dmat3& pixels) {
   const CubeFace face = CubeFace::of(tile.splats.face);
-  const auto axis = [](int k, double length) {
-    glm::dvec3 a(0);
-    a[k] = length;
-    return a;
-  };
   TileProjection projection;
-  projection.origin = to_pixels(axis(face.axis, face.sign));
-  projection.per_u = to_pixels(axis(face.u_axis(), 1));
-  projection.per_v = to_pixels(axis(face.v_axis(), 1));
-  projection.per_disparity = to_pixels((tile.view_position - eye.position) / tile.side_m);
+  projection.origin = static_cast<double>(face.sign) * pixels[face.axis];
+  projection.per_u = pixels[face.u_axis()];
+  projection.per_v = pixels[face.v_axis()];
+  projection.per_disparity = pixels * ((tile.view_position - eye) / tile.side_m);
   projection.disparity_scale = 1.0 / tile.side_m;
   return projection;
 }

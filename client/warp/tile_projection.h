@@ -25,8 +25,12 @@ struct TileProjection {
   glm::dvec3 at(double u, double v, double disparity) const {
     return origin + u * per_u + v * per_v + disparity * per_disparity;
   }
-  static TileProjection of(const DecodedTile& tile, const Pose& eye, const Display& display);
+  /// `pixels`: pixels_from_directions() of the same eye and display.
+  static TileProjection of(const DecodedTile& tile, const glm::dvec3& eye, const glm::dmat3& pixels);
 };
+
+/// The linear map from directions of the scene frame to (X, Y, w): the same for all tiles of a frame.
+glm::dmat3 pixels_from_directions(const glm::dquat& world_from_camera, const Display& display);
 
 /// Where a tile's splats can land.
 struct TileFootprint {
