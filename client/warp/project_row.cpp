@@ -54,7 +54,8 @@ void project_row(const RowProjection& projection, const PixelWindow& window, con
     const float x_v = (p.step_v[0] + slope_v * p.per_disparity[0] - screen_x * w_v) * inverse;
     const float y_v = (p.step_v[1] + slope_v * p.per_disparity[1] - screen_y * w_v) * inverse;
     const float eye = d * p.disparity_scale * inverse;
-    const float per_area = 1.0f / (x_u * y_v - y_u * x_v);
+    const float area = x_u * y_v - y_u * x_v, per_area = 1.0f / area;
+    const float footprint = clamped(std::fabs(area) - 1.0f, 0.0f, kLargestFootprint);
     const float centre_x = screen_x - 0.5f, centre_y = screen_y - 0.5f;
     const float x = clamped(centre_x, -limit, x_end), y = clamped(centre_y, y_begin, y_end);
     const int inside = mask_of(w > 0.0f) & mask_of(centre_x > -limit) & mask_of(centre_x < x_end) &
@@ -74,7 +75,7 @@ void project_row(const RowProjection& projection, const PixelWindow& window, con
     out.s_y[i] = -x_v * per_area;
     out.t_x[i] = -y_u * per_area;
     out.t_y[i] = x_u * per_area;
-    out.disparity[i] = eye;
+    out.disparity[i] = eye * (1.0f - kFootprintPenalty * footprint);
     out.disparity_s[i] = (slope_u * p.disparity_scale - eye * w_u) * inverse;
     out.disparity_t[i] = (slope_v * p.disparity_scale - eye * w_v) * inverse;
     const int left = larger(ceiling(x + clamped(middle_x - half_x, -limit, limit)), 0);

@@ -69,12 +69,14 @@ void project_row_scalar(const RowProjection& p, const PixelWindow& window, const
 
     out.x[i] = x;
     out.y[i] = y;
-    const float per_area = 1.0f / (x_u * y_v - y_u * x_v);
+    const float area = x_u * y_v - y_u * x_v, per_area = 1.0f / area;
     out.s_x[i] = y_v * per_area, out.s_y[i] = -x_v * per_area;
     out.t_x[i] = -y_u * per_area, out.t_y[i] = x_u * per_area;
-    out.disparity[i] = d * p.disparity_scale * inverse;
-    out.disparity_s[i] = (slope_u * p.disparity_scale - out.disparity[i] * w_u) * inverse;
-    out.disparity_t[i] = (slope_v * p.disparity_scale - out.disparity[i] * w_v) * inverse;
+    const float eye = d * p.disparity_scale * inverse;
+    const float footprint = std::clamp(std::abs(area) - 1.0f, 0.0f, kLargestFootprint);
+    out.disparity[i] = eye * (1.0f - kFootprintPenalty * footprint);
+    out.disparity_s[i] = (slope_u * p.disparity_scale - eye * w_u) * inverse;
+    out.disparity_t[i] = (slope_v * p.disparity_scale - eye * w_v) * inverse;
 
     const Reach reach(samples.reach[i]);
     const auto span = [&](float centre, float along_u, float along_v, int begin, int end) {

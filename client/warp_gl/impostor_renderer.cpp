@@ -14,6 +14,10 @@
 namespace farfield::client {
 namespace {
 
+// By how much nearer delta views count, as a share of the disparity: what they hold of a surface that an earlier view sees
+// too, that view sees obliquely. More than coding makes the two differ by there. (The CPU warper compares footprints.)
+constexpr double kDeltaPreference = 1.0 / 512.0;
+
 constexpr const char* kVertex = R"(#version 300 es
 precision highp float;
 precision highp int;
@@ -120,7 +124,7 @@ void ImpostorRenderer::State::draw_run(std::span<const ResidentTile* const> run)
   glBindTexture(GL_TEXTURE_2D_ARRAY, page.texture());
   glUniform2f(texels_to_unit, 1.0f / (16.0f * static_cast<float>(page.shape().width)),
               1.0f / (16.0f * static_cast<float>(page.shape().height)));
-  glUniform1f(side, static_cast<float>(run.front()->side_m));
+  glUniform1f(side, static_cast<float>(run.front()->side_m * (run.front()->is_delta ? 1 - kDeltaPreference : 1)));
   const std::size_t index_bytes = page.index_bytes();
   const GLenum index_type = index_bytes == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT;
   counts.clear(), offsets.clear();

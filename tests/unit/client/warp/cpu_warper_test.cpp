@@ -71,6 +71,22 @@ TEST(CpuWarper, AShiftedEyeSeesThePlaneWhereGeometrySays) {
   }
 }
 
+TEST(CpuWarper, OfTwoViewsOfASurfaceTheFinerSamplesShow) {
+  // As coding leaves them: the coarse view puts the plane a thousandth nearer.
+  const auto fine = plane_tile({0, 0, 0}, 1.0, 5.0, 256, [](double, double) { return 0x00ff00u; });
+  const auto coarse = plane_tile({0, 0, 0}, 1.0, 4.995, 64, [](double, double) { return 0x0000ffu; });
+  Frame frame;
+  for (const LeafView& leaf : {leaf_of({fine, coarse}), leaf_of({coarse, fine})}) {
+    CpuWarper().draw(leaf, Pose{{0.2, 0.1, 0.1}, {1, 0, 0, 0}}, display_on_samples(256, 120, 100), nullptr, frame);
+    for (int y = 0; y < 100; ++y)
+      for (int x = 0; x < 120; ++x) ASSERT_EQ(pixel(frame, x, y), 0x00ff00u) << x << " " << y;
+  }
+  // What is nearer by more than that hides the rest however coarse it is.
+  const auto nearer = plane_tile({0, 0, 0}, 1.0, 4.9, 64, [](double, double) { return 0x0000ffu; });
+  CpuWarper().draw(leaf_of({fine, nearer}), Pose{}, display_on_samples(256, 120, 100), nullptr, frame);
+  EXPECT_EQ(pixel(frame, 60, 50), 0x0000ffu);
+}
+
 TEST(CpuWarper, EverySampleCoversThePixelOfItsPoint) {
   std::mt19937 random(2);
   const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };

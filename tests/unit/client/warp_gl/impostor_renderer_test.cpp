@@ -205,6 +205,28 @@ TEST_F(ImpostorRendererTest, NearerShellsHideFartherOnes) {
   for (std::size_t p = 0; p < 126u * 126; ++p) EXPECT_GT(colour_[4 * p] + colour_[4 * p + 1] + colour_[4 * p + 2], 60);
 }
 
+TEST_F(ImpostorRendererTest, WhatADeltaViewHoldsOfASurfaceShows) {
+  const auto wall = [&](std::uint8_t view, glm::u8vec3 colour, float nearer) {
+    Tile tile = room_tile(kCentre, 5, 1, 0, 0);
+    for (std::size_t k = 0; k < tile.samples(); ++k) {
+      tile.disparity[k] *= nearer;
+      for (int c = 0; c < 3; ++c) tile.rgb[3 * k + static_cast<std::size_t>(c)] = colour[c];
+    }
+    auto result = decoded(tile, kCentre, 1e-5f, ++serial_);
+    result->id.view = view;
+    return result;
+  };
+  const Display display{64, 48, 1.0};
+  // As coding leaves them: the intra view puts the wall a thousandth nearer, and then by more than that.
+  for (const float nearer : {1.001f, 1.01f}) {
+    leaf_.tiles = {wall(kIntraView, {255, 0, 0}, nearer), wall(3, {0, 255, 0}, 1.0f)};
+    renderer_->upload(leaf_, std::size_t{1} << 30);
+    draw(display, Pose{kCentre, {1, 0, 0, 0}});
+    const bool delta_shows = nearer < 1.005f;
+    for (std::size_t p = 0; p < depth_.size(); ++p) ASSERT_EQ(colour_[4 * p + 1] > 200, delta_shows) << nearer << " " << p;
+  }
+}
+
 TEST_F(ImpostorRendererTest, TilesOutsideTheViewAreNotDrawn) {
   add_room(2, 0);
   renderer_->upload(leaf_);
