@@ -33,8 +33,8 @@ inline constexpr float kRoundingMargin = 1.0f / 256.0f;
 inline constexpr float kDistancePenalty = 1.0f / 4096.0f;
 
 /// Where views hold one surface, the finer samples show: a splat's disparity counts as smaller by this share per pixel that
-/// it covers beyond the first, up to kLargestFootprint. More than coding makes two views differ by where surfaces are stretched, and less
-/// than what anybody sees of depth. Up to half a decibel on patterned floors.
+/// it covers beyond the first, up to kLargestFootprint. It decides between views that differ by what coding leaves, and
+/// nothing that anybody sees. Half a decibel on a patterned floor along a corridor.
 inline constexpr float kFootprintPenalty = 1.0f / 4096.0f;
 inline constexpr float kLargestFootprint = 8.0f;
 
