@@ -2,6 +2,7 @@
 #include "server/impostor/delta_tile.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "server/impostor/held_points.h"
 
@@ -180,15 +181,18 @@ class RegionSamples {
   // A needed sample brings its four neighbours along, so that its surface meets the one that another view holds.
   std::vector<std::uint8_t> with_border() const {
     std::vector<std::uint8_t> kept = needed;
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        if (!needed[index(x, y)]) continue;
-        const auto keep = [&](bool is_inside, int other) {
-          if (is_inside && arrays.covered[other]) kept[other] = 1;
-        };
-        keep(x + 1 < width, index(x + 1, y)), keep(x > 0, index(x - 1, y));
-        keep(y + 1 < height, index(x, y + 1)), keep(y > 0, index(x, y - 1));
-      }
+    const std::uint8_t *const begin = needed.data(), *const end = begin + needed.size();
+    const auto next = [&](const std::uint8_t* from) {  // most are not needed
+      return static_cast<const std::uint8_t*>(std::memchr(from, 1, static_cast<std::size_t>(end - from)));
+    };
+    for (const std::uint8_t* found = next(begin); found; found = next(found + 1)) {
+      const int at = static_cast<int>(found - begin), x = at % width, y = at / width;
+      const auto keep = [&](bool is_inside, int other) {
+        if (is_inside && arrays.covered[other]) kept[other] = 1;
+      };
+      keep(x + 1 < width, at + 1), keep(x > 0, at - 1);
+      keep(y + 1 < height, at + width), keep(y > 0, at - width);
+    }
     return kept;
   }
 

@@ -30,8 +30,8 @@ struct ViewFrame {
   glm::dvec3 direction(double i, double j) const { return face.direction(u(i), u(j)); }
   /// The mean angle a sample covers, for texture footprints: the root of its solid angle.
   float sample_angle(double i, double j) const {
-    const double square = 1 + u(i) * u(i) + u(j) * u(j);
-    return static_cast<float>(kFootprint * pitch / std::pow(square, 0.75));
+    const double length = std::sqrt(1 + u(i) * u(i) + u(j) * u(j));
+    return static_cast<float>(kFootprint * pitch / (length * std::sqrt(length)));
   }
 };
 
