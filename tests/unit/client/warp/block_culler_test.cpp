@@ -47,7 +47,8 @@ int count(const VisibleBlocks& visible) {
 class BlockCuller : public testing::Test {
  protected:
   VisibleBlocks find(const DecodedTile& tile, const Pose& eye, const PixelWindow& window) const {
-    return find_visible_blocks(TileProjection::of(tile, eye.position, pixels_from_directions(eye.world_from_camera, display)), tile.splats, window, keys.data());
+    const glm::dmat3 pixels = pixels_from_directions(eye.world_from_camera, display);
+    return find_visible_blocks(TileProjection::of(tile, eye.position, pixels), tile.splats, window, keys.data());
   }
   Display display = display_on_samples(kEdge, 80, 80);
   std::shared_ptr<DecodedTile> tile = plane_tile({0, 0, 0}, 1.0, 4.0, kEdge, [](double, double) { return 0xffu; });
