@@ -81,6 +81,7 @@ void write_metrics(PrometheusText& out, std::span<const std::shared_ptr<Measured
   count("farfield_tile_flights_cancelled_total", "Tiles given up: nobody wanted them any more.", [](Statistics s) { return s.tile_flights.cancelled; });
   count("farfield_leaf_plans_total", "Leaf plans begun to be made.", [](Statistics s) { return s.plan_flights.begun; });
   count("farfield_tiles_empty_total", "Tiles that held nothing and were not sent.", [](Statistics s) { return s.skipped.empty_tiles; });
+  count("farfield_samples_coloured_once_total", "Samples coloured from one ray: more would have changed nothing.", [](Statistics s) { return s.skipped.samples_coloured_once; });
   count("farfield_samples_hidden_total", "Samples not cast: nobody in their leaf can see them.", [](Statistics s) { return s.skipped.hidden_samples; });
   count("farfield_delta_blocks_not_cast_total", "Blocks of delta views not cast: earlier views hold them.",
         [](Statistics s) { return s.skipped.delta_blocks_not_cast; });

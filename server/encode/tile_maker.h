@@ -23,7 +23,7 @@ class TileMaker : public TileSource {
   /// The tile before encoding: for tests and for comparing with truth.
   Result<Tile> cast(const TileId& id, const CancelFlag& cancel, TileWork& work);
   TileSkips skips() const override {
-    return {.empty_tiles = empty_tiles_, .hidden_samples = hidden_samples_, .delta_blocks_not_cast = blocks_not_cast_, .delta_samples_held = samples_held_};
+    return {.empty_tiles = empty_tiles_, .samples_coloured_once = coloured_once_, .hidden_samples = hidden_samples_, .delta_blocks_not_cast = blocks_not_cast_, .delta_samples_held = samples_held_};
   }
 
  private:
@@ -39,7 +39,7 @@ class TileMaker : public TileSource {
 
   const std::shared_ptr<CellTree> tree_;
   const double fallback_gain_;
-  std::atomic<std::uint64_t> empty_tiles_{0}, hidden_samples_{0}, blocks_not_cast_{0}, samples_held_{0};
+  std::atomic<std::uint64_t> empty_tiles_{0}, hidden_samples_{0}, coloured_once_{0}, blocks_not_cast_{0}, samples_held_{0};
   std::mutex mutex_;  // guards what follows
   std::list<std::pair<std::pair<CellId, int>, std::shared_ptr<const VisibleBlocks>>> recent_;  // of leaves' views, newest first
   std::list<std::pair<CellId, std::shared_ptr<const std::vector<glm::vec3>>>> recent_points_;

@@ -20,6 +20,7 @@ struct EncodedTile {
 /// What was not cast, kept or sent because nobody needs it: counted since start.
 struct TileSkips {
   std::uint64_t empty_tiles = 0;           // held nothing
+  std::uint64_t samples_coloured_once = 0; // covered, of one ray or look-up: more would have changed nothing
   std::uint64_t hidden_samples = 0;        // of dense tiles: nobody in the leaf can see them
   std::uint64_t delta_blocks_not_cast = 0; // probed, and earlier views hold all of it
   std::uint64_t delta_samples_held = 0;    // cast, and an earlier view holds them

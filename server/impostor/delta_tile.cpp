@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "server/impostor/held_points.h"
+#include "server/impostor/supersample.h"
 
 namespace farfield {
 namespace {
@@ -200,6 +201,7 @@ class RegionSamples {
   SampleArrays arrays;
   std::vector<std::uint8_t> needed;
   std::size_t patches = 0;  // that were cast
+  std::vector<UnevenPacket> uneven;
 
  private:
   std::size_t place_of(const glm::ivec2& patch) const {
@@ -220,7 +222,7 @@ class RegionSamples {
       i[lane] = caster_.face_block_x(0) * kBlockSamples + x, j[lane] = caster_.face_block_y(0) * kBlockSamples + y;
       at[lane] = i[lane] < frame_.edge_samples && j[lane] < frame_.edge_samples ? index(x, y) : -1;
     }
-    cast_samples(scene_, space_, frame_, i, j, at, arrays);
+    cast_samples(scene_, space_, frame_, i, j, at, arrays, uneven);
     for (int lane = 0; lane < kPacketSize; ++lane)
       if (is_asked_about(first.x + lane % 4, first.y + lane / 4) && at[lane] >= 0 && arrays.covered[at[lane]])
         open.push_back(sample_at(i[lane], j[lane], at[lane]));
@@ -282,6 +284,7 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   skips.blocks_cast += blocks.size();
   work.rays += region.patches * kPacketSize;
   const std::vector<std::uint8_t> kept = region.with_border();
+  work.samples_refined += shade_uneven(scene, frame, region.uneven, region.arrays);
 
   std::vector<glm::ivec2> full;
   for (const glm::ivec2& block : blocks) {
@@ -314,9 +317,14 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
       arrays.covered[to] = region.arrays.covered[from];
       arrays.disparity[to] = region.arrays.disparity[from];
       arrays.gradient_i[to] = region.arrays.gradient_i[from], arrays.gradient_j[to] = region.arrays.gradient_j[from];
+      arrays.part[to] = region.arrays.part[from];
       for (int c = 0; c < 3; ++c) arrays.rgb[3 * std::size_t(to) + c] = region.arrays.rgb[3 * std::size_t(from) + c];
     }
-  find_cuts(scene, space, frame, arrays, connection_limits(frame, warp_gain), TileNeighbours(tile), sample_i, sample_j, tile);
+  const ConnectionLimits limits = connection_limits(frame, warp_gain);
+  const TileNeighbours neighbours(tile);
+  find_cuts(scene, space, frame, arrays, limits, neighbours, sample_i, sample_j, tile);
+  work.samples_refined +=
+      supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, arrays);
   tile.disparity = std::move(arrays.disparity);
   tile.rgb = std::move(arrays.rgb);
   return tile;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/base/thread_clock.h"
+#include "server/impostor/supersample.h"
 
 namespace farfield {
 
@@ -21,6 +22,7 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
 
   const double start = thread_seconds();
   SampleArrays samples(size);
+  std::vector<UnevenPacket> uneven;
   for (int y = 0; y < kTileSamples; y += 4)
     for (int x = 0; x < kTileSamples; x += 4) {
       int i[kPacketSize], j[kPacketSize], index[kPacketSize];
@@ -33,10 +35,12 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
         any = any || is_wanted;
       }
       if (!any) continue;
-      cast_samples(scene, space, frame, i, j, index, samples);
+      cast_samples(scene, space, frame, i, j, index, samples, uneven);
     }
   work.intra_seconds += thread_seconds() - start;
   work.rays += static_cast<std::size_t>(std::count(samples.known.begin(), samples.known.end(), 1));
+
+  work.samples_refined += shade_uneven(scene, frame, uneven, samples);
 
   tile.coverage = samples.covered;
   if (std::find(tile.coverage.begin(), tile.coverage.end(), 1) == tile.coverage.end()) return tile;
@@ -45,7 +49,10 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
     sample_i[index] = first_i + index % kTileSamples;
     sample_j[index] = first_j + index / kTileSamples;
   }
-  find_cuts(scene, space, frame, samples, connection_limits(frame, warp_gain), TileNeighbours(tile), sample_i, sample_j, tile);
+  const ConnectionLimits limits = connection_limits(frame, warp_gain);
+  const TileNeighbours neighbours(tile);
+  find_cuts(scene, space, frame, samples, limits, neighbours, sample_i, sample_j, tile);
+  work.samples_refined += supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, samples);
   tile.disparity = std::move(samples.disparity);
   tile.rgb = std::move(samples.rgb);
   return tile;

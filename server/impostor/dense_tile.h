@@ -10,6 +10,7 @@ namespace farfield {
 struct TileWork {
   double intra_seconds = 0;       // thread time of casting and shading one ray per sample
   std::size_t rays = 0;
+  std::size_t samples_refined = 0;  // coloured from several look-ups or rays; the others gain nothing by them
 };
 
 /// Returns: the tile without certificate; covered nowhere if the shell holds nothing there.

@@ -2,6 +2,7 @@
 // One face of one view: where its samples look, and what they found.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "common/math/cube_face.h"
@@ -43,9 +44,10 @@ struct SampleArrays {
   std::vector<float> gradient_i;    // of the surface's tangent plane: disparity per sample to the right …
   std::vector<float> gradient_j;    // … and downwards
   std::vector<std::uint8_t> rgb;    // sRGB
+  std::vector<std::uint32_t> part;  // of the scene; kNoHit where nothing is covered
 
   explicit SampleArrays(std::size_t size = 0)
-      : known(size, 0), covered(size, 0), disparity(size, 0.0f), gradient_i(size, 0.0f), gradient_j(size, 0.0f), rgb(3 * size, 0) {}
+      : known(size, 0), covered(size, 0), disparity(size, 0.0f), gradient_i(size, 0.0f), gradient_j(size, 0.0f), rgb(3 * size, 0), part(size, kNoHit) {}
 };
 
 /// Disparity and its gradient where lane `lane` hit. A plane n·P = c is d = side·(n·D)/c at direction D, linear in D.
@@ -64,8 +66,20 @@ inline SurfacePlane plane_at(const ViewFrame& frame, const RayPacket& rays, cons
   return {static_cast<float>(disparity), finite(gi), finite(gj)};
 }
 
+/// Samples cast together, those of them at hand that see a texture at a slant: one look-up blurs across and aliases along it.
+struct UnevenPacket {
+  RayPacket rays;
+  HitPacket hits;
+  float sample_angle;
+  std::array<int, kPacketSize> index;  // as of cast_samples(); -1: one look-up is enough
+};
+
 /// Casts and shades 16 samples at grid positions (i[k], j[k]) and stores what they hit at index[k] (index < 0: skipped).
+/// Appends to `uneven` what shade_uneven() is worth its time for.
 void cast_samples(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const int* i, const int* j,
-                  const int* index, SampleArrays& out);
+                  const int* index, SampleArrays& out, std::vector<UnevenPacket>& uneven);
+
+/// Shades the samples of `uneven` again, from 2×2 look-ups each. Returns how many.
+std::size_t shade_uneven(const Scene& scene, const ViewFrame& frame, const std::vector<UnevenPacket>& uneven, SampleArrays& out);
 
 }  // namespace farfield

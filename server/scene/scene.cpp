@@ -26,6 +26,7 @@ const SceneStatistics& Scene::statistics() const {
 glm::u8vec3 Scene::background() const {
   return state_->background;
 }
+bool Scene::is_textured(std::uint32_t part) const { return state_->meshes[state_->parts[part].mesh].surface.texture >= 0; }
 std::span<const ScenePart> Scene::parts() const {
   return state_->parts;
 }

@@ -64,6 +64,7 @@ class Scene {
   const SceneStatistics& statistics() const;
   glm::u8vec3 background() const;             // sRGB
   std::span<const ScenePart> parts() const;
+  bool is_textured(std::uint32_t part) const;  // else its colours come from its vertices alone
 
   // ── rays ──
   /// First hits of sixteen coherent rays. Alpha-masked texels let rays through. Closed surfaces are tight along edges;
@@ -81,6 +82,10 @@ class Scene {
   /// pixel_angle × distance (for directions of any length: × |direction|), widened by the surface's inclination.
   /// Writes rgb[3·lane + channel]; lanes without a hit are untouched.
   void shade(const RayPacket& rays, const HitPacket& hits, float pixel_angle, float* rgb) const;
+  /// The same with the mean of 2×2 texture look-ups around each hit, each of half the footprint: what fine texture and
+  /// texture seen at a slant need. `across`, `down`: the change of a ray's direction from one look-up to the next.
+  void shade_finely(const RayPacket& rays, const HitPacket& hits, float pixel_angle, const glm::vec3& across, const glm::vec3& down,
+                    float* rgb) const;
 
   // ── chunks ──
   std::span<const SceneChunk> chunks() const;
@@ -104,6 +109,8 @@ class Scene {
 
  private:
   Scene();
+  struct FineLookups;
+  void shade(const RayPacket& rays, const HitPacket& hits, float pixel_angle, const FineLookups* fine, float* rgb) const;
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -47,9 +47,42 @@ float relative_footprint(const RayPacket& rays, const HitPacket& hits, int lane,
   return width * width * length2 / (std::max(cosine, kLeastCosine) * doubled_area);
 }
 
+// A triangle's plane in barycentric terms: from a step on the plane to the change of (u, v).
+struct BarycentricStep {
+  glm::vec3 per_u, per_v, normal;
+  BarycentricStep(const glm::vec3& edge_u, const glm::vec3& edge_v) : normal(glm::cross(edge_u, edge_v)) {
+    const float scale = 1.0f / glm::dot(normal, normal);
+    per_u = glm::cross(edge_v, normal) * scale;
+    per_v = glm::cross(normal, edge_u) * scale;
+  }
+  glm::vec2 of(const glm::vec3& step) const { return {glm::dot(per_u, step), glm::dot(per_v, step)}; }
+};
+
 }  // namespace
 
+struct Scene::FineLookups {
+  glm::vec3 across, down;
+
+  // Where on the plane a ray turned by `turn` meets it, less where `direction` does, at parameter `distance`.
+  static glm::vec3 step(const BarycentricStep& plane, const glm::vec3& direction, float distance, const glm::vec3& turn) {
+    const float facing = glm::dot(plane.normal, direction), turned = glm::dot(plane.normal, direction + turn);
+    // Near the horizon of a plane the footprint has no end: four times as far at most.
+    const float ratio = turned * facing > 0 ? std::min(facing / turned, 4.0f) : 4.0f;
+    return distance * (ratio * (direction + turn) - direction);
+  }
+};
+
 void Scene::shade(const RayPacket& rays, const HitPacket& hits, float pixel_angle, float* rgb) const {
+  shade(rays, hits, pixel_angle, nullptr, rgb);
+}
+
+void Scene::shade_finely(const RayPacket& rays, const HitPacket& hits, float pixel_angle, const glm::vec3& across,
+                         const glm::vec3& down, float* rgb) const {
+  const FineLookups fine{across, down};
+  shade(rays, hits, 0.5f * pixel_angle, &fine, rgb);
+}
+
+void Scene::shade(const RayPacket& rays, const HitPacket& hits, float pixel_angle, const FineLookups* fine, float* rgb) const {
   const State& state = *state_;
   const std::array<float, 256>& linear = state.textures.linear_table();
   std::uint32_t pending = rays.active & 0xffffu & ~lanes_of_misses(hits);
@@ -82,11 +115,27 @@ void Scene::shade(const RayPacket& rays, const HitPacket& hits, float pixel_angl
     const OnTriangle<glm::vec2> uv(mesh.uvs[index[0]], mesh.uvs[index[1]], mesh.uvs[index[2]]);
     const float doubled_area = std::abs(uv.along_u.x * uv.along_v.y - uv.along_u.y * uv.along_v.x);
     const float texels = doubled_area * state.textures.texel_count(texture);
+    const auto edge = [&](int k) {
+      const glm::vec3 in_mesh = mesh.positions[index[k]] - mesh.positions[index[0]];
+      return part < state.flattened_parts ? in_mesh : glm::mat3(state.parts[part].scene_from_mesh) * in_mesh;
+    };
+    const BarycentricStep plane(edge(1), edge(2));
     for (; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
       const float u = hits.u[lane], v = hits.v[lane];
       const float mip = mip_level(relative_footprint(rays, hits, lane, pixel_angle) * texels);
-      const glm::vec3 value = radiance.at(u, v) * state.textures.sample(texture, uv.at(u, v), mip);
+      glm::vec3 texel(0);
+      if (fine) {
+        const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
+        for (int k = 0; k < 4; ++k) {
+          const glm::vec3 turn = (k & 1 ? 0.5f : -0.5f) * fine->across + (k & 2 ? 0.5f : -0.5f) * fine->down;
+          const glm::vec2 at = glm::vec2(u, v) + plane.of(FineLookups::step(plane, direction, hits.distance[lane], turn));
+          texel += 0.25f * state.textures.sample(texture, uv.at(at.x, at.y), mip);
+        }
+      } else {
+        texel = state.textures.sample(texture, uv.at(u, v), mip);
+      }
+      const glm::vec3 value = radiance.at(u, v) * texel;
       for (int c = 0; c < 3; ++c) rgb[3 * lane + c] = value[c];
     }
   }

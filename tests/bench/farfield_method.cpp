@@ -112,6 +112,7 @@ void add_cells(const Serving& serving, MethodResult& result) {
 void add_skips(const Serving& serving, MethodResult& result) {
   const TileSkips skips = serving.service->statistics().skipped;
   result.skipped["empty_tiles"] = static_cast<double>(skips.empty_tiles);
+  result.skipped["samples_coloured_once"] = static_cast<double>(skips.samples_coloured_once);
   result.skipped["hidden_samples"] = static_cast<double>(skips.hidden_samples);
   result.skipped["delta_blocks_not_cast"] = static_cast<double>(skips.delta_blocks_not_cast);
   result.skipped["delta_samples_held"] = static_cast<double>(skips.delta_samples_held);

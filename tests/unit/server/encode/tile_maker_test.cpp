@@ -150,6 +150,7 @@ TEST_F(TileMakerTest, CountsWhatItLeftOut) {
   const TileSkips skips = made.tiles->skips();
   EXPECT_GT(skips.delta_blocks_not_cast, 0u);
   EXPECT_GT(skips.delta_samples_held, 0u);
+  EXPECT_GT(skips.samples_coloured_once, 0u);
 }
 
 TEST(TileMaker, ATileOfAnEmptyShellHasNoBytes) {

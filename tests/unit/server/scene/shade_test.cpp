@@ -99,6 +99,57 @@ TEST(Shade, FootprintChoosesTheMipLevel) {
   EXPECT_NEAR(contrast(0.1f, 10.0f / 64, inclined), 0.5f * (1 + grey), 5e-3f) << "inclination widens footprints";
 }
 
+// A textured square seen so that a step of `slope` metres upwards goes with one of a metre away; look-ups around its middle.
+double error_of_shading(bool is_fine, float away) {
+  Model model = model_of(square(1));
+  model.textures.push_back(checkerboard(16, 64));
+  model.materials[0].texture = 0;
+  const auto scene = build(std::move(model));
+  const glm::vec3 direction = glm::normalize(glm::vec3(0, away, -1));
+  const float pitch = 1.0f / 64;
+  const glm::vec3 across(pitch, 0, 0), down(0, pitch, 0);
+  const auto shaded = [&](const glm::vec3& turn, float angle, bool fine) {
+    RayPacket rays = packet_from(glm::vec3(0.47f, 0.52f, 0) - 1.0f * direction);
+    for (int i = 0; i < kPacketSize; ++i) aim(rays, i, direction + turn);
+    HitPacket hits;
+    scene->intersect(rays, hits);
+    float rgb[3 * kPacketSize];
+    if (fine) {
+      scene->shade_finely(rays, hits, angle, 0.5f * across, 0.5f * down, rgb);
+    } else {
+      scene->shade(rays, hits, angle, rgb);
+    }
+    return rgb[0];
+  };
+  double sum = 0;
+  constexpr int kGrid = 12, kPlaces = 9;
+  for (int place = 0; place < kPlaces; ++place) {  // the sample moves over the pattern
+    const glm::vec3 centre = static_cast<float>(place) * 0.37f * across + static_cast<float>(place) * 0.23f * down;
+    double exact = 0;
+    for (int k = 0; k < kGrid * kGrid; ++k)
+      exact += shaded(centre + (static_cast<float>(k % kGrid) + 0.5f - kGrid / 2) / kGrid * across +
+                          (static_cast<float>(k / kGrid) + 0.5f - kGrid / 2) / kGrid * down, pitch / kGrid, false) / (kGrid * kGrid);
+    sum += std::pow(shaded(centre, pitch, is_fine) - exact, 2);
+  }
+  return std::sqrt(sum / kPlaces);
+}
+
+TEST(Shade, SeveralLookupsComeCloserToATextureAtASlant) {
+  EXPECT_LT(error_of_shading(true, 2), 0.7 * error_of_shading(false, 2));
+}
+
+TEST(Shade, SeveralLookupsChangeNothingWhereThereIsNoTexture) {
+  const auto scene = build(model_of(square()));
+  RayPacket rays = packet_from({0.4f, 0.3f, 1});
+  for (int i = 0; i < kPacketSize; ++i) aim(rays, i, {0, 0.01f * static_cast<float>(i), -1});
+  HitPacket hits;
+  scene->intersect(rays, hits);
+  float once[3 * kPacketSize] = {}, finely[3 * kPacketSize] = {};
+  scene->shade(rays, hits, 0.01f, once);
+  scene->shade_finely(rays, hits, 0.01f, {0.005f, 0, 0}, {0, 0.005f, 0}, finely);
+  for (int k = 0; k < 3 * kPacketSize; ++k) EXPECT_FLOAT_EQ(once[k], finely[k]);
+}
+
 TEST(Mip, CheckerboardAveragesInLinearLight) {
   for (const auto& [width, height] : {std::pair{8, 8}, {64, 16}, {2, 2}}) {
     const std::vector<MipLevel> chain = build_mip_chain(checkerboard(width, height), {});
