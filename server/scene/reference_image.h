@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene ray-cast directly from a viewpoint: truth at 16 samples per pixel, the method "rays" at one.
+// The scene ray-cast directly from a viewpoint: truth at 16 samples per pixel, the method "rays" at one or more.
 #pragma once
 
 #include <vector>
@@ -17,8 +17,8 @@ struct ReferenceImage {
                                             // eighth of all outlines along an axis, say nothing about its centre
 };
 
-/// `eye` in the scene frame. Samples lie on a regular grid in the pixel (1: the pixel's centre; 16: 4×4) and are averaged
-/// in linear light. Uses all TBB workers of the calling arena. Requires: samples_per_pixel is 1 or 16.
+/// `eye` in the scene frame. Samples lie on a regular grid in the pixel (1: the pixel's centre; 4: 2×2; 16: 4×4) and are averaged
+/// in linear light. Uses all TBB workers of the calling arena. Requires: samples_per_pixel is 1, 4 or 16.
 ReferenceImage render_reference(const Scene& scene, const Pose& eye, const Display& display, int samples_per_pixel);
 
 }  // namespace farfield

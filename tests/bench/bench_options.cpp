@@ -7,11 +7,10 @@
 
 #include "server/app/load_arguments.h"
 #include "server/app/quality_arguments.h"
+#include "tests/bench/methods.h"
 
 namespace farfield::bench {
 namespace {
-
-const std::vector<std::string> kMethods{"rays", "geometry", "geometry-culled", "farfield-cpu", "farfield-gl"};
 
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
@@ -36,13 +35,16 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   bench.settings.face_tiles = 0;
   CLI::App app{"Runs methods of showing a scene side by side on one trace and measures time, bytes and error against truth.\n\n"
                "Example: farfield-bench --scene pipes:1000000:1 --trace walk.txt --methods rays,farfield-cpu --json out.json", "farfield-bench"};
+  BenchOptions shown = bench;
+  shown.settings.face_tiles = face_tiles_for(shown.display, shown.settings.kappa);
+  app.footer(describe(all_methods(shown)));
   app.set_version_flag("--version", std::string("farfield-bench 0.1.0"));
   std::string methods = "rays,geometry,geometry-culled,farfield-cpu,farfield-gl", size = "1280x720";
   double fovy = 60;
   LoadArguments load;
   app.add_option("--scene", bench.scene, "a file, or kind:triangles:seed");
   app.add_option("--trace", bench.trace, "camera path, as farfield-trace makes it");
-  app.add_option("--methods", methods, "of rays, geometry, geometry-culled, farfield-cpu, farfield-gl")->capture_default_str();
+  app.add_option("--methods", methods, "comma-separated, of those below")->capture_default_str();
   app.add_option("--size", size, "pixels, WIDTHxHEIGHT")->capture_default_str();
   app.add_option("--fovy", fovy, "vertical field of view in degrees")->check(number_between(1, 170))->capture_default_str();
   app.add_option("--frames", bench.frames, "frames compared with truth, spread evenly over the trace")->check(whole_number_between(1, 100000))->capture_default_str();
@@ -82,8 +84,9 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   if (!role.empty()) return usage("--role: there is no '" + role + "'");
   bench.methods = split(methods);
   if (bench.methods.empty()) return usage("--methods: name at least one (see --help)");
+  const std::vector<Method> known = all_methods(bench);
   for (const std::string& method : bench.methods)
-    if (std::find(kMethods.begin(), kMethods.end(), method) == kMethods.end())
+    if (!find_method(known, method))
       return usage("--methods: there is no '" + method + "' (see --help)");
   const Result<LinkModel> link = parse_link_model(bench.link);
   if (!link) return usage("--link: " + link.error().message);

@@ -1,45 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/bench_program.h"
 
-#include <algorithm>
 #include <iostream>
+#include <span>
 
 #include "common/base/complete_file.h"
-#include "tests/bench/farfield_method.h"
-#include "tests/bench/reference_methods.h"
+#include "tests/bench/methods.h"
 #include "tests/bench/report.h"
 
 namespace farfield::bench {
 namespace {
 
-bool wants(const BenchOptions& options, const char* method) {
-  return std::find(options.methods.begin(), options.methods.end(), method) != options.methods.end();
+Result<MethodResult> run(const Method& method, std::span<const KnobSetting> settings, const World& world) {
+  std::cerr << method.name << '\n';
+  Result<MethodResult> result = method.run(world, values_of(method, settings));
+  if (!result) return fail_within(method.name, result.error());
+  result->name = method.name;
+  return result;
 }
 
-// Farfield first: what it holds in memory must not include what the baselines need.
-Result<std::vector<MethodResult>> run_methods(const World& world) {
-  std::vector<MethodResult> results;
-  for (const std::string renderer : {"cpu", "gl"}) {
-    if (!wants(world.options, ("farfield-" + renderer).c_str())) continue;
-    Result<MethodResult> result = run_farfield(world, renderer);
-    if (!result) return tl::unexpected(result.error());
-    results.push_back(std::move(*result));
-  }
-  if (wants(world.options, "rays")) {
-    Result<MethodResult> result = run_rays(world);
-    if (!result) return tl::unexpected(result.error());
-    results.push_back(std::move(*result));
-  }
-  const bool full = wants(world.options, "geometry"), culled = wants(world.options, "geometry-culled");
-  if (full || culled) {
-    Result<std::vector<MethodResult>> both = run_geometry(world, full, culled);
-    if (!both) return tl::unexpected(both.error());
-    for (MethodResult& result : *both) results.push_back(std::move(result));
-  }
-  const auto order = [&](const MethodResult& m) {
-    return std::find(world.options.methods.begin(), world.options.methods.end(), m.name) - world.options.methods.begin();
-  };
-  std::sort(results.begin(), results.end(), [&](const MethodResult& a, const MethodResult& b) { return order(a) < order(b); });
+// In the order asked for, but run in the order their memory figures need.
+Result<std::vector<MethodResult>> run_methods(const World& world, std::span<const Method> methods) {
+  const std::vector<std::string>& names = world.options.methods;
+  std::vector<MethodResult> results(names.size());
+  for (const bool is_first : {true, false})
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const Method& method = *find_method(methods, names[i]);
+      if (method.runs_first != is_first) continue;
+      Result<MethodResult> result = run(method, {}, world);
+      if (!result) return tl::unexpected(result.error());
+      results[i] = std::move(*result);
+    }
   return results;
 }
 
@@ -57,7 +48,7 @@ Status run_bench(const BenchOptions& options) {
   }
   const Result<World> world = make_world(options);
   if (!world) return tl::unexpected(world.error());
-  const Result<std::vector<MethodResult>> methods = run_methods(*world);
+  const Result<std::vector<MethodResult>> methods = run_methods(*world, all_methods(options));
   if (!methods) return tl::unexpected(methods.error());
   const nlohmann::json json = to_json(*world, *methods);
   if (options.prints_json) {

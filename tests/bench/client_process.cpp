@@ -98,7 +98,7 @@ Result<nlohmann::json> run_client(const World& world, const ClientRun& run, Cast
        run.mode, "--folder", run.folder.string(), "--trace", world.options.trace.string(), "--frames",
        std::to_string(world.poses.size()), "--size", fmt::format("{}x{}", d.width, d.height), "--fovy",
        fmt::format("{:.12g}", d.fovy_rad * 180 / 3.14159265358979323846), "--client-samples",
-       std::to_string(world.options.client_samples)});
+       std::to_string(run.samples)});
   if (!child) return tl::unexpected(child.error());
   const std::string text = converse(*child, pool);
   int status = 0;

@@ -23,6 +23,7 @@ struct ClientRun {
   Endpoint endpoint;
   std::string renderer, mode;
   std::filesystem::path folder;  // for the dumped frames
+  int samples = 0;               // per pixel; 0: the renderer's choice
 };
 
 /// Starts this program again as a client and waits for it. `pool` pauses while the client asks for quiet.

@@ -51,13 +51,19 @@ struct Serving {
   }
 };
 
-Result<std::unique_ptr<Serving>> serve(const World& world) {
+/// What one run is to use, knobs applied.
+struct FarfieldSettings {
+  std::string renderer;
+  ImpostorSettings impostor;
+  int client_samples = 0;
+};
+
+Result<std::unique_ptr<Serving>> serve(const World& world, const ImpostorSettings& settings) {
   auto serving = std::make_unique<Serving>();
   serving->store = std::make_shared<MemoryTileStore>(std::size_t{4} << 30);
   serving->pool = std::make_shared<CastPool>(world.options.threads);
   ServiceOptions options;
-  options.settings = world.options.settings;
-  options.settings.display = world.options.display;
+  options.settings = settings;
   options.store = serving->store, options.pool = serving->pool;
   serving->service = service_for_scene("bench", world.scene, options);
   ServerOptions server_options;
@@ -132,17 +138,14 @@ void add_bytes(const World& world, const nlohmann::json& client, MethodResult& r
   result.skipped["bad_payloads"] = number(client, "bad");
 }
 
-}  // namespace
-
-Result<MethodResult> run_farfield(const World& world, const std::string& renderer) {
+Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wanted) {
   MethodResult result;
-  result.name = "farfield-" + renderer;
   for (const std::string mode : {"lockstep", "realtime"}) {
     if (mode == "realtime" && !world.options.is_realtime_wanted) break;
-    std::cerr << result.name << ": " << mode << '\n';
+    std::cerr << "farfield-" << wanted.renderer << ": " << mode << '\n';
     const Result<ScratchFolder> folder = ScratchFolder::create();
     if (!folder) return tl::unexpected(folder.error());
-    const auto serving = serve(world);
+    const auto serving = serve(world, wanted.impostor);
     if (!serving) return tl::unexpected(serving.error());
     const bool is_linked = mode == "realtime" && !world.options.link_model.is_none();
     std::unique_ptr<LinkProxy> proxy;
@@ -152,7 +155,7 @@ Result<MethodResult> run_farfield(const World& world, const std::string& rendere
       proxy = std::move(*started);
     }
     const Endpoint endpoint = is_linked ? proxy->endpoint() : (*serving)->server->endpoint();
-    const auto client = run_client(world, {endpoint, renderer, mode, folder->path()}, *(*serving)->pool);
+    const auto client = run_client(world, {endpoint, wanted.renderer, mode, folder->path(), wanted.client_samples}, *(*serving)->pool);
     if (!client) return tl::unexpected(client.error());
     const std::vector<double> frame_ms = (*client)["frame_ms"].get<std::vector<double>>();
     result.client_rss_mb = std::max(std::isnan(result.client_rss_mb) ? 0 : result.client_rss_mb, number(*client, "peak_rss_mb"));
@@ -180,12 +183,36 @@ Result<MethodResult> run_farfield(const World& world, const std::string& rendere
     getrusage(RUSAGE_SELF, &usage);
     result.server_rss_mb = static_cast<double>(usage.ru_maxrss) / 1024;
   }
-  ImpostorSettings settings = world.options.settings;
-  settings.display = world.options.display;
+  ImpostorSettings settings = wanted.impostor;
   settings.finest_side_m = finest_side_for(*world.scene, settings.finest_side_m);
   const ImpostorSources sources = make_impostor_sources(world.scene, settings);
-  result.error.warp_px_p99 = warp_error_p99(world, sources, settings, renderer == "gl");
+  result.error.warp_px_p99 = warp_error_p99(world, sources, settings, wanted.renderer == "gl");
   return result;
+}
+
+FarfieldSettings with_knobs(const World& world, const std::string& renderer, const KnobValues& knobs) {
+  FarfieldSettings wanted{renderer, world.options.settings, knobs.whole("client-samples")};
+  ImpostorSettings& s = wanted.impostor;
+  s.display = world.options.display;
+  s.jpeg_quality = knobs.whole("quality"), s.tau_px = knobs["tau"], s.face_tiles = knobs.whole("face-tiles");
+  s.delta_views = knobs.whole("delta-views"), s.void_target = knobs["void-target"];
+  return wanted;
+}
+
+}  // namespace
+
+Method farfield_method(const std::string& renderer, const BenchOptions& defaults) {
+  const ImpostorSettings& s = defaults.settings;
+  const bool is_gl = renderer == "gl";
+  return {"farfield-" + renderer, is_gl ? "Farfield, its meshes through OpenGL" : "Farfield, its samples warped on the processor",
+          {{"quality", double(s.jpeg_quality), "JPEG quality of tiles", 1, 100, true},
+           {"tau", s.tau_px, "guaranteed warp error of coded disparity, pixels", 0.01, 16},
+           {"face-tiles", double(s.face_tiles), "tiles along a face's edge: the sample rate", 1, 64, true},
+           {"delta-views", double(s.delta_views), "delta views per cell, at most", 0, 32, true},
+           {"void-target", s.void_target, "share of the sphere below which voids get no further delta view", 0, 1},
+           {.name = "client-samples", .default_value = double(defaults.client_samples), .description = "samples per pixel of the client; 0: its choice", .choices = {0, 1, 4}}},
+          [renderer](const World& world, const KnobValues& knobs) { return run_farfield(world, with_knobs(world, renderer, knobs)); },
+          true};
 }
 
 }  // namespace farfield::bench
