@@ -13,8 +13,8 @@ namespace farfield {
 namespace {
 
 // Colours that differ in lightness too, for readers who do not tell red from green.
-constexpr std::array<const char*, 8> kColours{"#1f5fa8", "#d9541e", "#2a9d5c", "#8a4fb0",
-                                              "#c99a00", "#00879b", "#b0305c", "#5a5a5a"};
+constexpr std::array<const char*, 14> kColours{"#1f5fa8", "#d9541e", "#2a9d5c", "#8a4fb0", "#c99a00", "#00879b", "#b0305c",
+                                               "#5a5a5a", "#7fb0e6", "#f2a37c", "#123f1e", "#c9a6e6", "#6b4b00", "#000000"};
 constexpr int kLeft = 70, kRight = 190, kTop = 40, kBottom = 56;
 
 std::string escaped(const std::string& text) {
@@ -116,19 +116,21 @@ void draw_axes(const Axis& x, const Axis& y, const PlotOptions& o, Document& svg
 
 void draw_series(const PlotSeries& series, const Axis& x, const Axis& y, const char* colour, Document& svg) {
   std::string line;
-  for (const auto& [px, py] : series.points) {
+  for (std::size_t k = 0; k < series.points.size(); ++k) {
+    const auto& [px, py] = series.points[k];
     if (!x.can_show(px) || !y.can_show(py)) continue;
     fmt::format_to(std::back_inserter(line), "{:.1f},{:.1f} ", x.pixel(px), y.pixel(py));
     svg.add(R"(<circle cx="{:.1f}" cy="{:.1f}" r="3.5" fill="{}"/>)", x.pixel(px), y.pixel(py), colour);
+    if (series.marked == k)
+      svg.add(R"(<circle cx="{:.1f}" cy="{:.1f}" r="8" fill="none" stroke="{}" stroke-width="2"/>)", x.pixel(px), y.pixel(py), colour);
   }
   if (series.is_connected && !line.empty()) {
     svg.add(R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="1.5"/>)", line, colour);
   }
 }
 
-}  // namespace
-
-std::string render_svg_plot(const std::vector<PlotSeries>& series, const PlotOptions& o) {
+void draw_panel(const PlotPanel& panel, Document& svg) {
+  const auto& [series, o] = panel;
   Axis x(o.log_x, kLeft, o.width_px - kRight), y(o.log_y, o.height_px - kBottom, kTop);
   for (const PlotSeries& s : series) {
     for (const auto& [px, py] : s.points) {
@@ -139,11 +141,6 @@ std::string render_svg_plot(const std::vector<PlotSeries>& series, const PlotOpt
   }
   x.finish();
   y.finish();
-  Document svg;
-  svg.add(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" )"
-          R"(font-family="sans-serif" font-size="12">)",
-          o.width_px, o.height_px);
-  svg.add(R"(<rect width="100%" height="100%" fill="white"/>)");
   draw_axes(x, y, o, svg);
   for (std::size_t k = 0; k < series.size(); ++k) {
     const char* colour = kColours[k % kColours.size()];
@@ -151,6 +148,29 @@ std::string render_svg_plot(const std::vector<PlotSeries>& series, const PlotOpt
     const double at = kTop + 14 + 18.0 * static_cast<double>(k);
     svg.add(R"(<circle cx="{}" cy="{:.1f}" r="4" fill="{}"/>)", o.width_px - kRight + 16, at - 4, colour);
     svg.text(o.width_px - kRight + 26, at, "start", series[k].name);
+  }
+}
+
+}  // namespace
+
+std::string render_svg_plot(const std::vector<PlotSeries>& series, const PlotOptions& options) {
+  return render_svg_plots({{series, options}});
+}
+
+std::string render_svg_plots(const std::vector<PlotPanel>& panels) {
+  int width = 0, height = 0;
+  for (const PlotPanel& panel : panels) width += panel.options.width_px, height = std::max(height, panel.options.height_px);
+  Document svg;
+  svg.add(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" )"
+          R"(font-family="sans-serif" font-size="12">)",
+          width, height);
+  svg.add(R"(<rect width="100%" height="100%" fill="white"/>)");
+  int left = 0;
+  for (const PlotPanel& panel : panels) {
+    svg.add(R"svg(<g transform="translate({} 0)">)svg", left);
+    draw_panel(panel, svg);
+    svg.add("</g>");
+    left += panel.options.width_px;
   }
   svg.add("</svg>");
   return svg.take();

@@ -8,6 +8,7 @@
 #include "server/app/load_arguments.h"
 #include "server/app/quality_arguments.h"
 #include "tests/bench/methods.h"
+#include "tests/bench/sweep.h"
 
 namespace farfield::bench {
 namespace {
@@ -40,15 +41,18 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   app.footer(describe(all_methods(shown)));
   app.set_version_flag("--version", std::string("farfield-bench 0.1.0"));
   std::string methods = "rays,geometry,geometry-culled,farfield-cpu,farfield-gl", size = "1280x720";
+  std::vector<std::string> sweeps;
   double fovy = 60;
   LoadArguments load;
   app.add_option("--scene", bench.scene, "a file, or kind:triangles:seed");
   app.add_option("--trace", bench.trace, "camera path, as farfield-trace makes it");
-  app.add_option("--methods", methods, "comma-separated, of those below")->capture_default_str();
+  app.add_option("--methods", methods, "comma-separated, of those below; none: only what is swept")->capture_default_str();
+  app.add_option("--sweep", sweeps, "METHOD:KNOB=a,b,c: runs METHOD once per value, lockstep; may be given again")->type_name("TEXT")->expected(1)->take_all();
   app.add_option("--size", size, "pixels, WIDTHxHEIGHT")->capture_default_str();
   app.add_option("--fovy", fovy, "vertical field of view in degrees")->check(number_between(1, 170))->capture_default_str();
   app.add_option("--frames", bench.frames, "frames compared with truth, spread evenly over the trace")->check(whole_number_between(1, 100000))->capture_default_str();
   app.add_option("--truth-samples", bench.truth_samples, "rays per pixel of truth")->check(CLI::IsMember({1, 16}))->capture_default_str();
+  app.add_option("--border-pairs", bench.border_pairs, "pairs of successive frames across borders of cells, and as many inside, drawn to compare the change of their errors; 0: none")->check(whole_number_between(0, 1000))->capture_default_str();
   app.add_option("--link", bench.link, "none, or rate=20mbit,delay=50ms,jitter=20ms,loss=0.1%")->capture_default_str();
   load.add_to(app);
   app.add_option("--threads", bench.threads, "that make tiles; 0: one per processor")->check(whole_number_between(0, 1024))->capture_default_str();
@@ -56,7 +60,7 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   add_quality_options(app, bench.settings);
   app.add_flag("!--no-realtime", bench.is_realtime_wanted, "lockstep only");
   app.add_option("--json", bench.json, "write the report here; - for standard output");
-  app.add_option("--plot", bench.plot, "write frame time against error here, SVG");
+  app.add_option("--plot", bench.plot, "write frame time and bytes per second against error here, SVG");
   app.add_option("--frames-dir", bench.frames_folder, "write every method's frames and truth here as NNNN-METHOD.png");
   app.add_option("--contact-sheet", bench.contact_sheet, "write a PNG of the methods' frames above truth");
   // The measured client: farfield-bench starts itself with these.
@@ -82,12 +86,17 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   }
   if (bench.scene.empty() || bench.trace.empty()) return usage("--scene and --trace are needed (see --help)");
   if (!role.empty()) return usage("--role: there is no '" + role + "'");
-  bench.methods = split(methods);
-  if (bench.methods.empty()) return usage("--methods: name at least one (see --help)");
+  if (methods != "none" || sweeps.empty()) bench.methods = split(methods);
+  if (bench.methods.empty() && sweeps.empty()) return usage("--methods: name at least one (see --help)");
   const std::vector<Method> known = all_methods(bench);
   for (const std::string& method : bench.methods)
     if (!find_method(known, method))
       return usage("--methods: there is no '" + method + "' (see --help)");
+  for (const std::string& text : sweeps) {
+    const Result<Sweep> sweep = parse_sweep(text, known);
+    if (!sweep) return usage("--sweep: " + sweep.error().message);
+    bench.sweeps.push_back(*sweep);
+  }
   const Result<LinkModel> link = parse_link_model(bench.link);
   if (!link) return usage("--link: " + link.error().message);
   bench.link_model = *link;

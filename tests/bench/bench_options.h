@@ -13,13 +13,21 @@
 
 namespace farfield::bench {
 
+/// A method to be run once for each of several values of a knob.
+struct Sweep {
+  std::string method, knob;
+  std::vector<double> values;  // in the order given, at least one
+};
+
 struct BenchOptions {
   std::string scene;
   std::filesystem::path trace;
   std::vector<std::string> methods;
+  std::vector<Sweep> sweeps;
   Display display;
   std::size_t frames = 24;          // sampled evenly over the trace
   int truth_samples = 16;
+  std::size_t border_pairs = 12;    // across borders of cells, and as many inside cells; 0: none
   std::string link = "none";
   LinkModel link_model;
   LoadOptions load;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/bench_program.h"
 
+#include <algorithm>
 #include <iostream>
 #include <span>
 
 #include "common/base/complete_file.h"
 #include "tests/bench/methods.h"
 #include "tests/bench/report.h"
+#include "tests/bench/sweep.h"
 
 namespace farfield::bench {
 namespace {
@@ -34,6 +36,25 @@ Result<std::vector<MethodResult>> run_methods(const World& world, std::span<cons
   return results;
 }
 
+bool has_cells(const BenchOptions& options, std::span<const Method> methods) {
+  const auto has = [&](const std::string& name) { return find_method(methods, name)->has_cells; };
+  return std::any_of(options.methods.begin(), options.methods.end(), has) ||
+         std::any_of(options.sweeps.begin(), options.sweeps.end(), [&](const Sweep& sweep) { return has(sweep.method); });
+}
+
+// Lockstep only: what a curve shows is measured there.
+Result<std::vector<Curve>> run_sweeps(World& world, std::span<const Method> methods) {
+  world.options.is_realtime_wanted = false;
+  world.border = nullptr;
+  std::vector<Curve> curves;
+  for (const Sweep& sweep : world.options.sweeps) {
+    Result<Curve> curve = run_sweep(world, methods, sweep);
+    if (!curve) return tl::unexpected(curve.error());
+    curves.push_back(std::move(*curve));
+  }
+  return curves;
+}
+
 }  // namespace
 
 Status run_bench(const BenchOptions& options) {
@@ -46,22 +67,26 @@ Status run_bench(const BenchOptions& options) {
     std::filesystem::create_directories(options.frames_folder, error);
     if (error) return fail(ErrorCode::kIo, "--frames-dir {}: cannot be made ({})", options.frames_folder.string(), error.message());
   }
-  const Result<World> world = make_world(options);
+  const std::vector<Method> known = all_methods(options);
+  Result<World> world = make_world(options, has_cells(options, known));
   if (!world) return tl::unexpected(world.error());
-  const Result<std::vector<MethodResult>> methods = run_methods(*world, all_methods(options));
+  const Result<std::vector<MethodResult>> methods = run_methods(*world, known);
   if (!methods) return tl::unexpected(methods.error());
-  const nlohmann::json json = to_json(*world, *methods);
+  const Result<std::vector<Curve>> curves = run_sweeps(*world, known);
+  if (!curves) return tl::unexpected(curves.error());
+  const nlohmann::json json = to_json(*world, *methods, *curves);
   if (options.prints_json) {
     std::cout << json.dump(2) << '\n';
   } else {
     print_table(*methods, std::cout);
+    print_dominance(*methods, *curves, std::cout);
     if (!options.json.empty()) {
       if (Status status = write_complete_file(options.json, json.dump(2) + '\n'); !status) return status;
     }
   }
   if (!std::cout.flush()) return fail(ErrorCode::kIo, "the report cannot be written to the output");
   if (!options.plot.empty())
-    if (Status status = write_plot(options.plot, *methods); !status) return status;
+    if (Status status = write_plot(options.plot, *methods, *curves); !status) return status;
   if (!options.frames_folder.empty())
     if (Status status = write_frames(options.frames_folder, *world, *methods); !status) return status;
   if (!options.contact_sheet.empty())

@@ -90,13 +90,12 @@ std::string converse(const Child& child, CastPool& pool) {
 
 }  // namespace
 
-Result<nlohmann::json> run_client(const World& world, const ClientRun& run, CastPool& pool) {
-  const Display& d = world.options.display;
+Result<nlohmann::json> run_client(const Display& d, const ClientRun& run, CastPool& pool) {
   std::signal(SIGPIPE, SIG_IGN);  // a client that died is seen by its output's end
   const Result<Child> child = start_child(
       {"farfield-bench", "--role", "client", "--endpoint", to_string(run.endpoint), "--renderer", run.renderer, "--mode",
-       run.mode, "--folder", run.folder.string(), "--trace", world.options.trace.string(), "--frames",
-       std::to_string(world.poses.size()), "--size", fmt::format("{}x{}", d.width, d.height), "--fovy",
+       run.mode, "--folder", run.folder.string(), "--trace", run.trace.string(), "--frames",
+       std::to_string(run.frames), "--size", fmt::format("{}x{}", d.width, d.height), "--fovy",
        fmt::format("{:.12g}", d.fovy_rad * 180 / 3.14159265358979323846), "--client-samples",
        std::to_string(run.samples)});
   if (!child) return tl::unexpected(child.error());

@@ -2,12 +2,13 @@
 // The measured client as a child process, seen from the benchmark.
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "common/math/camera.h"
 #include "common/net/endpoint.h"
 #include "server/schedule/worker_pool.h"
-#include "tests/bench/world.h"
 
 namespace farfield::bench {
 
@@ -23,11 +24,13 @@ struct ClientRun {
   Endpoint endpoint;
   std::string renderer, mode;
   std::filesystem::path folder;  // for the dumped frames
+  std::filesystem::path trace;
+  std::size_t frames = 0;        // sampled from it
   int samples = 0;               // per pixel; 0: the renderer's choice
 };
 
 /// Starts this program again as a client and waits for it. `pool` pauses while the client asks for quiet.
 /// Returns: the JSON object that is the last line it prints. Errors: kUnavailable, with what the client said.
-Result<nlohmann::json> run_client(const World& world, const ClientRun& run, CastPool& pool);
+Result<nlohmann::json> run_client(const Display& display, const ClientRun& run, CastPool& pool);
 
 }  // namespace farfield::bench

@@ -2,12 +2,12 @@
 #include "tests/bench/farfield_method.h"
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "common/net/link_proxy.h"
+#include "common/trace/trace_file.h"
 #include "server/app/build_service.h"
 #include "server/encode/tile_maker.h"
 #include "server/session/server.h"
@@ -15,30 +15,11 @@
 #include "tests/bench/client_process.h"
 #include "tests/bench/distribution.h"
 #include "tests/bench/judge.h"
+#include "tests/bench/scratch_folder.h"
 #include "tests/bench/warp_error.h"
 
 namespace farfield::bench {
 namespace {
-
-// A folder for dumped frames that goes away with the run.
-class ScratchFolder {
- public:
-  static Result<ScratchFolder> create() {
-    std::string name = (std::filesystem::temp_directory_path() / "farfield-bench-XXXXXX").string();
-    if (!mkdtemp(name.data())) return fail(ErrorCode::kIo, "{}: cannot make a folder for frames", name);
-    return ScratchFolder(name);
-  }
-  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
-  std::filesystem::path path_;
-};
 
 struct Serving {
   std::shared_ptr<MemoryTileStore> store;
@@ -80,7 +61,7 @@ ErrorFigures judge_lockstep(const World& world, const std::filesystem::path& fol
     const Result<DumpedFrame> dump = read_frame(frame_path(folder, k));
     if (!dump) continue;
     const JudgedFrame frame = judged(dump->frame);
-    errors.add(frame, world.truth[k]);
+    errors.add(frame, world.truth[k], world.is_far_at(k));
     result.pictures.push_back(frame.rgb);
   }
   return errors.figures();
@@ -92,9 +73,26 @@ ErrorFigures judge_realtime(const World& world, const std::filesystem::path& fol
   for (std::size_t k = 0; k < world.poses.size(); ++k) {
     const Result<DumpedFrame> dump = read_frame(frame_path(folder, k));
     if (!dump) continue;
-    errors.add(judged(dump->frame), render_reference(*world.scene, world.scene_from_world(dump->eye), world.options.display, world.options.truth_samples));
+    const Pose eye = world.scene_from_world(dump->eye);
+    const ReferenceImage truth = render_reference(*world.scene, eye, world.options.display, world.options.truth_samples);
+    errors.add(judged(dump->frame), truth, world.cells->far_pixels(eye, world.options.display, truth));
   }
   return errors.figures();
+}
+
+// Walked by another client after everything else has been measured: its tiles are no part of the walk's.
+Result<BorderFlip> judge_borders(const World& world, const FarfieldSettings& wanted, const Serving& serving) {
+  const Result<ScratchFolder> folder = ScratchFolder::create();
+  if (!folder) return tl::unexpected(folder.error());
+  const Trace trace = world.border->trace();
+  if (trace.frames.empty()) return BorderFlip{};
+  const std::filesystem::path file = folder->path() / "pairs.trace";
+  if (Status status = write_trace(file, trace); !status) return tl::unexpected(status.error());
+  const auto client = run_client(world.options.display, {serving.server->endpoint(), wanted.renderer, "lockstep", folder->path(), file, trace.frames.size(), wanted.client_samples}, *serving.pool);
+  if (!client) return tl::unexpected(client.error());
+  return world.border->judge(world.options.display, [&](std::size_t index) {
+    return read_frame(frame_path(folder->path(), index)).map([](const DumpedFrame& dump) { return judged(dump.frame).rgb; });
+  });
 }
 
 void add_cells(const Serving& serving, MethodResult& result) {
@@ -155,7 +153,7 @@ Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wa
       proxy = std::move(*started);
     }
     const Endpoint endpoint = is_linked ? proxy->endpoint() : (*serving)->server->endpoint();
-    const auto client = run_client(world, {endpoint, wanted.renderer, mode, folder->path(), wanted.client_samples}, *(*serving)->pool);
+    const auto client = run_client(world.options.display, {endpoint, wanted.renderer, mode, folder->path(), world.options.trace, world.poses.size(), wanted.client_samples}, *(*serving)->pool);
     if (!client) return tl::unexpected(client.error());
     const std::vector<double> frame_ms = (*client)["frame_ms"].get<std::vector<double>>();
     result.client_rss_mb = std::max(std::isnan(result.client_rss_mb) ? 0 : result.client_rss_mb, number(*client, "peak_rss_mb"));
@@ -169,6 +167,11 @@ Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wa
       add_cells(**serving, result);
       add_skips(**serving, result);
       result.error = judge_lockstep(world, folder->path(), result);
+      if (world.border) {
+        const Result<BorderFlip> border = judge_borders(world, wanted, **serving);
+        if (!border) return tl::unexpected(border.error());
+        result.border_flip = *border;
+      }
       // Without real time, the rate is what the walk would need with its clock running.
       result.mbit_s_warm = 8e-6 * (result.bytes_total - result.bytes_entry) / std::max(1e-9, world.trace.seconds());
     } else {
@@ -212,7 +215,7 @@ Method farfield_method(const std::string& renderer, const BenchOptions& defaults
            {"void-target", s.void_target, "share of the sphere below which voids get no further delta view", 0, 1},
            {.name = "client-samples", .default_value = double(defaults.client_samples), .description = "samples per pixel of the client; 0: its choice", .choices = {0, 1, 4}}},
           [renderer](const World& world, const KnobValues& knobs) { return run_farfield(world, with_knobs(world, renderer, knobs)); },
-          true};
+          true, true};
 }
 
 }  // namespace farfield::bench

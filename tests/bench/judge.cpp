@@ -22,25 +22,23 @@ Image8 as_image(const std::vector<std::uint8_t>& rgb, int width, int height) {
 JudgedFrame judged(const client::Frame& frame) {
   JudgedFrame result;
   result.rgb.resize(3 * frame.pixels());
-  result.is_impostor.resize(frame.pixels()), result.is_uncovered.resize(frame.pixels());
+  result.is_uncovered.resize(frame.pixels());
   for (std::size_t i = 0; i < frame.pixels(); ++i) {
     for (int c = 0; c < 3; ++c) result.rgb[3 * i + c] = frame.rgba[4 * i + c];
     const client::Coverage coverage = frame.coverage[i];
-    result.is_impostor[i] = coverage == client::Coverage::kImpostor || coverage == client::Coverage::kCrackClosed;
     result.is_uncovered[i] = coverage == client::Coverage::kVoidFilled || coverage == client::Coverage::kBackground;
   }
   return result;
 }
 
-void ErrorAverage::add(const JudgedFrame& frame, const ReferenceImage& truth) {
+void ErrorAverage::add(const JudgedFrame& frame, const ReferenceImage& truth, const std::vector<std::uint8_t>& is_far) {
   const Image8 seen = as_image(frame.rgb, truth.width, truth.height), wanted = as_image(truth.rgb, truth.width, truth.height);
   psnr_.push_back(psnr_db(wanted, seen));
   ssim_.push_back(ssim(wanted, seen));
   // FLIP is defined per pixels per degree: 67, whatever the field of view of the frame.
   flip_.push_back(flip(wanted, seen).mean);
-  if (frame.is_impostor.empty()) return;
-  if (std::find(frame.is_impostor.begin(), frame.is_impostor.end(), 1) != frame.is_impostor.end())
-    impostor_psnr_.push_back(psnr_db(wanted, seen, frame.is_impostor));
+  if (std::find(is_far.begin(), is_far.end(), 1) != is_far.end()) impostor_psnr_.push_back(psnr_db(wanted, seen, is_far));
+  if (frame.is_uncovered.empty()) return;
   std::size_t voids = 0;
   for (std::size_t i = 0; i < frame.is_uncovered.size(); ++i) voids += frame.is_uncovered[i] && truth.has_surface[i];
   void_share_.push_back(static_cast<double>(voids) / static_cast<double>(frame.is_uncovered.size()));

@@ -10,18 +10,18 @@
 
 namespace farfield::bench {
 
-/// What is compared: colours, and which pixels show impostors or nothing.
+/// What is compared: colours, and which pixels show nothing.
 struct JudgedFrame {
   std::vector<std::uint8_t> rgb;
-  std::vector<std::uint8_t> is_impostor;   // empty: the method has none
-  std::vector<std::uint8_t> is_uncovered;  // before filling beyond one-pixel cracks
+  std::vector<std::uint8_t> is_uncovered;  // before filling beyond one-pixel cracks; empty: the method has no voids
 };
 JudgedFrame judged(const client::Frame& frame);
 
 class ErrorAverage {
  public:
   explicit ErrorAverage(const Display& display) : display_(display) {}
-  void add(const JudgedFrame& frame, const ReferenceImage& truth);
+  /// `is_far`: the pixels that impostors stand for (ViewerCells::far_pixels); empty: not asked for.
+  void add(const JudgedFrame& frame, const ReferenceImage& truth, const std::vector<std::uint8_t>& is_far);
   ErrorFigures figures() const;
 
  private:

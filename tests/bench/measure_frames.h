@@ -21,9 +21,10 @@ struct DrawnFrame {
 /// Eye in the scene frame.
 using DrawFrame = std::function<Result<DrawnFrame>(const Pose& eye)>;
 
-/// Fills frame times, amounts drawn, errors and pictures. The first pose is drawn once before it counts: shaders are
+/// Fills frame times, amounts drawn, errors and pictures; with cells, also the change of error across their borders, for
+/// which more poses are drawn. The first pose is drawn once before it counts: shaders are
 /// compiled and buffers moved on first use. Errors: those of `draw`.
-Status measure_frames(const World& world, const DrawFrame& draw, MethodResult& result);
+Status measure_frames(const World& world, const DrawFrame& draw, MethodResult& result, bool has_cells = false);
 
 using BenchClock = std::chrono::steady_clock;
 inline double ms_since(BenchClock::time_point start) { return std::chrono::duration<double, std::milli>(BenchClock::now() - start).count(); }

@@ -50,6 +50,7 @@ struct Method {
   std::function<Result<MethodResult>(const World&, const KnobValues&)> run;
   /// Runs before all others: the memory it reports must not include what they need.
   bool runs_first = false;
+  bool has_cells = false;  // what it shows changes where the viewer crosses into another cell
 };
 
 using KnobSetting = std::pair<std::string, double>;  // name, value

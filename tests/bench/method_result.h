@@ -13,11 +13,24 @@ inline const double kNone = std::nan("");
 
 struct ErrorFigures {
   double psnr_mean = kNone, psnr_min = kNone;
+  // Over the pixels whose true surface lies outside the near region of the viewer's leaf cell (viewer_cells.h), so over
+  // the same pixels for every method. NaN in runs of methods none of which has cells.
   double impostor_psnr_mean = kNone, impostor_psnr_min = kNone;
   double ssim_mean = kNone, ssim_min = kNone;
   double flip_mean = kNone, flip_max = kNone;
   double void_mean = kNone, void_max = kNone;
   double warp_px_p99 = kNone;
+};
+
+/// What a method's impostors promise of themselves, over the cells of the run, and how often frames keep it.
+struct CertificateFigures {
+  double void_share = kNone, psnr_db = kNone, warp_px = kNone;  // means of the promises
+  double holds_share = kNone;                                   // of the judged frames
+};
+
+/// How much the mean FLIP against truth changes from a frame to the next (border_pairs.h).
+struct BorderFlip {
+  double inside_p99 = kNone, crossing_p99 = kNone;
 };
 
 struct MethodResult {
@@ -37,6 +50,8 @@ struct MethodResult {
   double blank_frames = kNone;
   double client_rss_mb = kNone, server_rss_mb = kNone;
   ErrorFigures error, realtime_error;
+  CertificateFigures certificate;
+  BorderFlip border_flip;
   std::map<std::string, double> skipped;
   std::vector<std::vector<std::uint8_t>> pictures;  // RGB of the sampled lockstep frames, for the contact sheet
 };

@@ -44,7 +44,17 @@ nlohmann::json to_json(const MethodResult& m) {
           {"peak_rss_mb", {{"client", value(m.client_rss_mb)}, {"server", value(m.server_rss_mb)}}},
           {"error", to_json(m.error)},
           {"realtime_error", to_json(m.realtime_error)},
+          {"certificate", {{"void_share", value(m.certificate.void_share)}, {"psnr_db", value(m.certificate.psnr_db)},
+                           {"warp_px", value(m.certificate.warp_px)}, {"holds_share", value(m.certificate.holds_share)}}},
+          {"border_flip", {{"inside_p99", value(m.border_flip.inside_p99)}, {"crossing_p99", value(m.border_flip.crossing_p99)}}},
           {"skipped", skipped}};
+}
+
+nlohmann::json to_json(const Curve& curve) {
+  nlohmann::json points = nlohmann::json::array();
+  for (const CurvePoint& p : curve.points)
+    points.push_back({{"value", p.value}, {"frame_ms", value(p.frame_ms)}, {"mbit_s", value(p.mbit_s)}, {"flip", value(p.flip)}, {"psnr_db", value(p.psnr_db)}});
+  return {{"name", curve.method}, {"knob", curve.knob}, {"points", points}};
 }
 
 std::string processor_name() {
@@ -62,12 +72,14 @@ std::string cell(double number, const char* format) {
 
 }  // namespace
 
-nlohmann::json to_json(const World& world, const std::vector<MethodResult>& methods) {
+nlohmann::json to_json(const World& world, const std::vector<MethodResult>& methods, const std::vector<Curve>& curves) {
   double load[1] = {0};
   if (getloadavg(load, 1) < 1) load[0] = kNone;
   const LinkModel& link = world.options.link_model;
   nlohmann::json list = nlohmann::json::array();
   for (const MethodResult& m : methods) list.push_back(to_json(m));
+  nlohmann::json curve_list = nlohmann::json::array();
+  for (const Curve& curve : curves) curve_list.push_back(to_json(curve));
   nlohmann::json link_json = nlohmann::json::object();
   if (!link.is_none())
     link_json = {{"rate_bit_s", link.rate_bits_per_second}, {"delay_ms", 1e3 * link.delay.count()}, {"jitter_ms", 1e3 * link.jitter.count()}, {"loss", link.loss}};
@@ -80,7 +92,8 @@ nlohmann::json to_json(const World& world, const std::vector<MethodResult>& meth
           {"display", {{"width", world.options.display.width}, {"height", world.options.display.height},
                        {"fovy_deg", world.options.display.fovy_rad * 180 / 3.14159265358979323846}}},
           {"link", link_json},
-          {"methods", list}};
+          {"methods", list},
+          {"curves", curve_list}};
 }
 
 void print_table(const std::vector<MethodResult>& methods, std::ostream& out) {
@@ -96,6 +109,8 @@ void print_table(const std::vector<MethodResult>& methods, std::ostream& out) {
       {"impostor", "{:.2f}", [](const MethodResult& m) { return m.error.impostor_psnr_mean; }},
       {"SSIM", "{:.4f}", [](const MethodResult& m) { return m.error.ssim_mean; }},
       {"FLIP", "{:.4f}", [](const MethodResult& m) { return m.error.flip_mean; }},
+      {"crossing", "{:.4f}", [](const MethodResult& m) { return m.border_flip.crossing_p99; }},
+      {"inside", "{:.4f}", [](const MethodResult& m) { return m.border_flip.inside_p99; }},
       {"void %", "{:.4f}", [](const MethodResult& m) { return 100 * m.error.void_mean; }},
       {"max %", "{:.4f}", [](const MethodResult& m) { return 100 * m.error.void_max; }},
       {"warp px", "{:.3f}", [](const MethodResult& m) { return m.error.warp_px_p99; }},
@@ -118,6 +133,22 @@ void print_table(const std::vector<MethodResult>& methods, std::ostream& out) {
     for (const Column& column : columns) out << fmt::format("{:>12}", cell(column.figure(m), column.format));
     out << '\n';
   }
+}
+
+void print_dominance(const std::vector<MethodResult>& methods, const std::vector<Curve>& curves, std::ostream& out) {
+  // A run is a curve of one point.
+  std::vector<Curve> all = curves;
+  for (const MethodResult& m : methods) all.push_back({m.name, "", {point_of(0, m)}});
+  const auto is_farfield = [](const Curve& curve) { return curve.method.starts_with("farfield"); };
+  std::map<std::string, std::vector<Curve>> ours;
+  for (const Curve& curve : all)
+    if (is_farfield(curve)) ours[curve.method].push_back(curve);
+  for (const auto& [name, mine] : ours)
+    for (const CostAxis& axis : kCostAxes)
+      for (const Curve& theirs : all) {
+        if (is_farfield(theirs)) continue;
+        for (const std::string& line : dominance_report(name, mine, theirs, axis)) out << line << '\n';
+      }
 }
 
 }  // namespace farfield::bench

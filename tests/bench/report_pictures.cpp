@@ -23,14 +23,23 @@ Image8 halved(const std::vector<std::uint8_t>& rgb, int width, int height) {
 
 }  // namespace
 
-Status write_plot(const std::filesystem::path& file, const std::vector<MethodResult>& methods) {
-  std::vector<PlotSeries> series;
-  for (const MethodResult& m : methods) series.push_back({m.name, {{m.frame_p50, m.error.flip_mean}}, false});
-  PlotOptions options;
-  options.title = "Run time against error";
-  options.x_label = "frame time, ms (median)", options.y_label = "mean FLIP against truth";
-  options.log_x = true;
-  return write_complete_file(file, render_svg_plot(series, options));
+Status write_plot(const std::filesystem::path& file, const std::vector<MethodResult>& methods, const std::vector<Curve>& curves) {
+  std::vector<PlotPanel> panels;
+  for (const CostAxis& axis : kCostAxes) {
+    PlotPanel& panel = panels.emplace_back();
+    for (const Curve& curve : curves) {
+      PlotSeries series{curve.method + ":" + curve.knob, {}, true, knee_of(curve.points, axis)};
+      for (const CurvePoint& point : curve.points) series.points.emplace_back(point.*axis.cost, point.flip);
+      panel.series.push_back(std::move(series));
+    }
+    for (const MethodResult& m : methods) panel.series.push_back({m.name, {{point_of(0, m).*axis.cost, m.error.flip_mean}}, false});
+    panel.options.title = fmt::format("{} against error", axis.name);
+    panel.options.title[0] = static_cast<char>(std::toupper(panel.options.title[0]));
+    panel.options.x_label = fmt::format("{}, {} ({})", axis.name, axis.unit, axis.cost == &CurvePoint::frame_ms ? "median" : "once warm");
+    panel.options.y_label = "mean FLIP against truth";
+    panel.options.log_x = panel.options.log_y = true;
+  }
+  return write_complete_file(file, render_svg_plots(panels));
 }
 
 Status write_contact_sheet(const std::filesystem::path& file, const World& world, const std::vector<MethodResult>& methods) {

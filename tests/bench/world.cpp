@@ -7,10 +7,28 @@
 
 #include "common/base/one_line.h"
 #include "common/trace/trace_file.h"
+#include "server/encode/tile_maker.h"
 
 namespace farfield::bench {
+namespace {
 
-Result<World> make_world(const BenchOptions& options) {
+Status add_cells(World& world) {
+  const BenchOptions& options = world.options;
+  ImpostorSettings settings = options.settings;
+  settings.finest_side_m = finest_side_for(*world.scene, settings.finest_side_m);
+  world.cells.emplace(world.scene, settings);
+  for (std::size_t k = 0; k < world.poses.size(); ++k) world.is_far.push_back(world.cells->far_pixels(world.poses[k], options.display, world.truth[k]));
+  if (options.border_pairs == 0) return {};
+  std::cerr << "truth on both sides of cells' borders\n";
+  Result<BorderPairs> border = BorderPairs::create(*world.scene, *world.cells, world.trace, options.border_pairs, options.display, options.truth_samples);
+  if (!border) return tl::unexpected(border.error());
+  world.border = std::make_shared<const BorderPairs>(std::move(*border));
+  return {};
+}
+
+}  // namespace
+
+Result<World> make_world(const BenchOptions& options, bool has_cells) {
   World world;
   world.options = options;
   Result<Trace> trace = read_trace(options.trace);
@@ -30,6 +48,9 @@ Result<World> make_world(const BenchOptions& options) {
   for (std::size_t k = 0; k < world.poses.size(); ++k) {
     world.truth.push_back(render_reference(*world.scene, world.poses[k], options.display, options.truth_samples));
     if (k % 8 == 7) std::cerr << "truth: " << k + 1 << " of " << world.poses.size() << " frames\n";
+  }
+  if (has_cells) {
+    if (Status status = add_cells(world); !status) return tl::unexpected(status.error());
   }
   return world;
 }

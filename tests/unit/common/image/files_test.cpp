@@ -131,5 +131,18 @@ TEST(SvgPlot, DrawsPointsAxesAndEscapedNames) {
   EXPECT_EQ(render_svg_plot({}, {}).find("nan"), std::string::npos);
 }
 
+TEST(SvgPlot, PanelsStandSideBySideAndMarkedPointsHaveARing) {
+  PlotSeries series{"a", {{1, 3}, {2, 2}, {3, 1}}};
+  series.marked = 1;
+  PlotOptions narrow;
+  narrow.width_px = 400;
+  const std::string svg = render_svg_plots({{{series}, narrow}, {{series}, {}}});
+  EXPECT_NE(svg.find("width=\"1160\""), std::string::npos);
+  EXPECT_NE(svg.find("translate(400 0)"), std::string::npos);
+  int rings = 0;
+  for (std::size_t at = svg.find("r=\"8\""); at != std::string::npos; at = svg.find("r=\"8\"", at + 1)) ++rings;
+  EXPECT_EQ(rings, 2);
+}
+
 }  // namespace
 }  // namespace farfield
