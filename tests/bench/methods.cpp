@@ -2,13 +2,17 @@
 #include "tests/bench/methods.h"
 
 #include "tests/bench/baselines/geometry.h"
+#include "tests/bench/baselines/geometry_lod.h"
 #include "tests/bench/baselines/rays.h"
 #include "tests/bench/farfield_method.h"
 
 namespace farfield::bench {
 
 std::vector<Method> all_methods(const BenchOptions& options) {
-  return {rays_method(), geometry_method(), geometry_culled_method(), farfield_method("cpu", options), farfield_method("gl", options)};
+  std::vector<Method> methods{rays_method(), geometry_method(), geometry_culled_method(), geometry_lod_method()};
+  methods.push_back(farfield_method("cpu", options));
+  methods.push_back(farfield_method("gl", options));
+  return methods;
 }
 
 }  // namespace farfield::bench
