@@ -33,3 +33,5 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   # Asio 1.22 asks for the compiler's old name of coroutines.
   target_compile_definitions(farfield_asio INTERFACE ASIO_HAS_CO_AWAIT ASIO_HAS_STD_COROUTINE)
 endif()
+# Only the benchmark's method `video` needs these; without them it is left out.
+pkg_check_modules(LIBAV IMPORTED_TARGET libavcodec libavutil)

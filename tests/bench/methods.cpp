@@ -4,12 +4,16 @@
 #include "tests/bench/baselines/geometry.h"
 #include "tests/bench/baselines/geometry_lod.h"
 #include "tests/bench/baselines/rays.h"
+#include "tests/bench/baselines/video.h"
 #include "tests/bench/farfield_method.h"
 
 namespace farfield::bench {
 
 std::vector<Method> all_methods(const BenchOptions& options) {
   std::vector<Method> methods{rays_method(), geometry_method(), geometry_culled_method(), geometry_lod_method()};
+#ifdef FARFIELD_HAS_VIDEO
+  methods.push_back(video_method());
+#endif
   methods.push_back(farfield_method("cpu", options));
   methods.push_back(farfield_method("gl", options));
   return methods;
