@@ -39,6 +39,48 @@ struct LodBuffer {
   client::VertexArrayName array;
 };
 
+using MaterialKey = std::tuple<ContentHash, bool, float>;
+MaterialKey key_of(const Chunk& chunk) { return {chunk.texture, chunk.is_alpha_masked, chunk.alpha_cutoff}; }
+
+/// In double: a vertex that two chunks share must come out the same, or it could not be merged.
+glm::vec3 placed(const glm::dmat4x3& from_chunk, const ChunkVertex& vertex) { return glm::vec3(from_chunk * glm::dvec4(vertex.position, 1)); }
+
+/// Positions that more than one buffer uses: no level of detail may move them.
+class MeetingPoints {
+ public:
+  void add(const glm::vec3& position, std::uint32_t buffer) { uses_.push_back({hash_of(position), buffer}); }
+  void finish() {
+    std::sort(uses_.begin(), uses_.end());
+    for (std::size_t i = 1; i < uses_.size(); ++i)
+      if (uses_[i].first == uses_[i - 1].first && uses_[i].second != uses_[i - 1].second) shared_.push_back(uses_[i].first);
+    uses_ = {};
+  }
+  bool contains(const glm::vec3& position) const { return std::binary_search(shared_.begin(), shared_.end(), hash_of(position)); }
+
+ private:
+  static ContentHash hash_of(const glm::vec3& p) { return hash_value(p); }
+  std::vector<std::pair<ContentHash, std::uint32_t>> uses_;
+  std::vector<ContentHash> shared_;  // sorted
+};
+
+MeetingPoints find_meeting_points(const Scene& scene, const glm::dvec3& origin) {
+  MeetingPoints meeting;
+  std::map<MaterialKey, std::pair<std::uint32_t, std::size_t>> open;  // the buffer a material fills, and its indices so far
+  std::uint32_t buffers = 0;
+  for (std::size_t i = 0; i < scene.chunks().size(); ++i) {
+    const Chunk chunk = scene.chunk_geometry(static_cast<std::uint32_t>(i));
+    const auto [at, is_new] = open.try_emplace(key_of(chunk), buffers, 0);
+    buffers += is_new;
+    glm::dmat4x3 from_chunk = scene.chunks()[i].scene_from_chunk;
+    from_chunk[3] -= origin;
+    for (const ChunkVertex& vertex : chunk.vertices) meeting.add(placed(from_chunk, vertex), at->second.first);
+    at->second.second += chunk.indices.size();
+    if (at->second.second >= kBufferIndices) open.erase(at);
+  }
+  meeting.finish();
+  return meeting;
+}
+
 class LodRenderer {
  public:
   static Result<LodRenderer> create(const client::GlAbilities& abilities, const Scene& scene) {
@@ -80,28 +122,27 @@ class LodRenderer {
 
   void add(const Scene& scene) {
     const TexturesByHash textures = full_textures(scene);
-    std::map<std::tuple<ContentHash, bool, float>, PendingMesh> pending;
+    const MeetingPoints meeting = find_meeting_points(scene, origin_);
+    std::map<MaterialKey, PendingMesh> pending;
     for (std::size_t i = 0; i < scene.chunks().size(); ++i) {
       const Chunk chunk = scene.chunk_geometry(static_cast<std::uint32_t>(i));
-      PendingMesh& mesh = pending[{chunk.texture, chunk.is_alpha_masked, chunk.alpha_cutoff}];
+      PendingMesh& mesh = pending[key_of(chunk)];
       if (const auto found = textures.find(chunk.texture); found != textures.end()) mesh.texture = found->second;
       mesh.is_alpha_masked = chunk.is_alpha_masked, mesh.alpha_cutoff = chunk.alpha_cutoff;
       glm::dmat4x3 from_chunk = scene.chunks()[i].scene_from_chunk;
       from_chunk[3] -= origin_;
       const std::size_t first_vertex = mesh.vertices.size();
       client::append_surface(chunk, glm::mat4x3(from_chunk), mesh.vertices, mesh.indices);
-      // Placed in double: a vertex that two chunks share must come out the same, or it could not be merged.
-      for (std::size_t v = 0; v < chunk.vertices.size(); ++v)
-        mesh.vertices[first_vertex + v].position = glm::vec3(from_chunk * glm::dvec4(chunk.vertices[v].position, 1));
+      for (std::size_t v = 0; v < chunk.vertices.size(); ++v) mesh.vertices[first_vertex + v].position = placed(from_chunk, chunk.vertices[v]);
       mesh.chunk_ends.push_back(static_cast<std::uint32_t>(mesh.indices.size()));
-      if (mesh.indices.size() >= kBufferIndices) upload(std::exchange(mesh, {}));
+      if (mesh.indices.size() >= kBufferIndices) upload(std::exchange(mesh, {}), meeting);
     }
     for (auto& [key, mesh] : pending)
-      if (!mesh.indices.empty()) upload(std::move(mesh));
+      if (!mesh.indices.empty()) upload(std::move(mesh), meeting);
   }
 
-  void upload(PendingMesh mesh) {
-    LodBuffer buffer{mesh.texture, mesh.is_alpha_masked, mesh.alpha_cutoff, build_lod_forest(mesh.vertices, mesh.indices, mesh.chunk_ends)};
+  void upload(PendingMesh mesh, const MeetingPoints& meeting) {
+    LodBuffer buffer{mesh.texture, mesh.is_alpha_masked, mesh.alpha_cutoff, build_lod_forest(mesh.vertices, mesh.indices, mesh.chunk_ends, [&](const glm::vec3& p) { return meeting.contains(p); })};
     const auto vertices = std::as_bytes(std::span(buffer.forest.vertices)), indices = std::as_bytes(std::span(buffer.forest.indices));
     buffer.vertices = client::Buffer::make(vertices.size());
     buffer.vertices.write(0, vertices);

@@ -43,7 +43,9 @@ Surface hills() {
   return surface;
 }
 
-LodForest forest_of(const Surface& surface) { return build_lod_forest(surface.vertices, surface.indices, surface.chunk_ends); }
+LodForest forest_of(const Surface& surface, const IsFixed& is_fixed = [](const glm::vec3&) { return false; }) {
+  return build_lod_forest(surface.vertices, surface.indices, surface.chunk_ends, is_fixed);
+}
 
 std::vector<const LodNode*> selected(const LodForest& forest, const glm::vec3& eye, float error_per_metre) {
   std::vector<const LodNode*> nodes;
@@ -103,14 +105,27 @@ TEST(LodForest, AnyCutIsWithoutCracks) {
       sizes.insert(triangles);
       for (const auto& [edge, count] : edges) {
         const glm::vec3 a = forest.vertices[edge.first].position, b = forest.vertices[edge.second].position;
-        // Neighbours on the rim: it is kept, so all its edges are a quad long.
-        const bool is_along_x = a.z == b.z && (a.z == 0 || a.z == kEdge) && std::abs(a.x - b.x) < 1.5f;
-        const bool is_along_z = a.x == b.x && (a.x == 0 || a.x == kEdge) && std::abs(a.z - b.z) < 1.5f;
-        const bool is_rim = is_along_x || is_along_z;
-        EXPECT_EQ(count, is_rim ? 1 : 2);
+        const bool is_rim = (a.x == b.x && (a.x == 0 || a.x == kEdge)) || (a.z == b.z && (a.z == 0 || a.z == kEdge));
+        EXPECT_TRUE(count == 2 || (count == 1 && is_rim)) << count;
       }
     }
   EXPECT_GT(sizes.size(), 4u);  // the cuts were different ones
+}
+
+// The side where another mesh goes on stays as it is at every level; the free side does not.
+TEST(LodForest, FixedPositionsStay) {
+  const LodForest forest = forest_of(hills(), [](const glm::vec3& p) { return p.x == 0; });
+  for (const float error_per_metre : {0.0f, 0.01f, 10.0f}) {
+    std::set<float> fixed, free;
+    for (const LodNode* node : selected(forest, {-5, 2, -5}, error_per_metre))
+      for (std::uint32_t i = node->first_index; i < node->first_index + node->index_count; ++i) {
+        const glm::vec3& p = forest.vertices[forest.indices[i]].position;
+        if (p.x == 0) fixed.insert(p.z);
+        if (p.x == kEdge) free.insert(p.z);
+      }
+    EXPECT_EQ(fixed.size(), kEdge + 1u);
+    EXPECT_TRUE(error_per_metre < 1 || free.size() < kEdge / 2u);
+  }
 }
 
 TEST(LodForest, NoErrorAllowedIsTheMeshItself) {
@@ -121,16 +136,10 @@ TEST(LodForest, NoErrorAllowedIsTheMeshItself) {
   EXPECT_EQ(indices, surface.indices.size());
 }
 
-TEST(LodForest, WhatCannotBeSimplifiedStaysAndNothingIsNothing) {
-  Surface surface;  // triangles that share no vertex: all border
-  for (std::uint32_t i = 0; i < 300; ++i) {
-    surface.vertices.push_back({{static_cast<float>(i), static_cast<float>(i % 3), static_cast<float>(i * i % 7)}, {}, {}});
-    surface.indices.push_back(i);
-    if (i % 30 == 29) surface.chunk_ends.push_back(i + 1);
-  }
-  const LodForest forest = forest_of(surface);
-  EXPECT_EQ(forest.roots.size(), 10u);
-  EXPECT_EQ(forest.nodes.size(), 10u);
+TEST(LodForest, WhatMustStayStaysAndNothingIsNothing) {
+  const LodForest forest = forest_of(hills(), [](const glm::vec3&) { return true; });
+  EXPECT_EQ(forest.roots.size(), 64u);
+  EXPECT_EQ(forest.nodes.size(), 64u);
   EXPECT_TRUE(forest_of({}).nodes.empty());
 }
 
