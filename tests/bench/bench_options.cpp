@@ -47,12 +47,17 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   app.add_option("--scene", bench.scene, "a file, or kind:triangles:seed");
   app.add_option("--trace", bench.trace, "camera path, as farfield-trace makes it");
   app.add_option("--methods", methods, "comma-separated, of those below; none: only what is swept")->capture_default_str();
-  app.add_option("--sweep", sweeps, "METHOD:KNOB=a,b,c: runs METHOD once per value, lockstep; may be given again")->type_name("TEXT")->expected(1)->take_all();
+  app.add_option("--sweep", sweeps, "METHOD:KNOB=a,b,c: runs METHOD once per value, lockstep; may be given again")
+      ->expected(1)
+      ->take_all();
   app.add_option("--size", size, "pixels, WIDTHxHEIGHT")->capture_default_str();
   app.add_option("--fovy", fovy, "vertical field of view in degrees")->check(number_between(1, 170))->capture_default_str();
   app.add_option("--frames", bench.frames, "frames compared with truth, spread evenly over the trace")->check(whole_number_between(1, 100000))->capture_default_str();
   app.add_option("--truth-samples", bench.truth_samples, "rays per pixel of truth")->check(CLI::IsMember({1, 16}))->capture_default_str();
-  app.add_option("--border-pairs", bench.border_pairs, "pairs of successive frames across borders of cells, and as many inside, drawn to compare the change of their errors; 0: none")->check(whole_number_between(0, 1000))->capture_default_str();
+  app.add_option("--border-pairs", bench.border_pairs,
+                 "pairs of successive frames across borders of cells, and as many inside, drawn to compare the change of their errors; 0: none")
+      ->check(whole_number_between(0, 1000))
+      ->capture_default_str();
   app.add_option("--link", bench.link, "none, or rate=20mbit,delay=50ms,jitter=20ms,loss=0.1%")->capture_default_str();
   load.add_to(app);
   app.add_option("--threads", bench.threads, "that make tiles; 0: one per processor")->check(whole_number_between(0, 1024))->capture_default_str();

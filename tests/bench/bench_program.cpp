@@ -59,7 +59,8 @@ Result<std::vector<Curve>> run_sweeps(World& world, std::span<const Method> meth
 
 Status run_bench(const BenchOptions& options) {
   // Said before the measurements, not after them.
-  for (const std::filesystem::path& file : {options.prints_json ? std::filesystem::path() : options.json, options.plot, options.contact_sheet}) {
+  for (const std::filesystem::path& file :
+       {options.prints_json ? std::filesystem::path() : options.json, options.plot, options.contact_sheet}) {
     if (file.empty()) continue;
     if (Status status = check_file_can_be_written(file); !status) return status;
   }

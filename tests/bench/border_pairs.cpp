@@ -18,7 +18,9 @@ void add_evenly(const std::vector<std::size_t>& from, std::size_t count, bool is
   for (std::size_t k = 0; k < count; ++k) out.push_back({from[(2 * k + 1) * from.size() / (2 * count)], is_crossing});
 }
 
-std::filesystem::path truth_path(const ScratchFolder& folder, std::size_t index) { return folder.path() / fmt::format("truth_{:05d}.rgb", index); }
+std::filesystem::path truth_path(const ScratchFolder& folder, std::size_t index) {
+  return folder.path() / fmt::format("truth_{:05d}.rgb", index);
+}
 
 Status write_bytes(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
   std::ofstream out(file, std::ios::binary);
@@ -40,7 +42,8 @@ std::vector<BorderPair> pick_border_pairs(std::span<const CellId> leaf_of_step, 
   return pairs;
 }
 
-Result<BorderPairs> BorderPairs::create(const Scene& scene, const ViewerCells& cells, const Trace& trace, std::size_t count, const Display& display, int truth_samples) {
+Result<BorderPairs> BorderPairs::create(const Scene& scene, const ViewerCells& cells, const Trace& trace, std::size_t count,
+                                        const Display& display, int truth_samples) {
   Result<ScratchFolder> folder = ScratchFolder::create();
   if (!folder) return tl::unexpected(folder.error());
   BorderPairs result(std::move(*folder));
@@ -58,7 +61,8 @@ Result<BorderPairs> BorderPairs::create(const Scene& scene, const ViewerCells& c
     for (const std::size_t step : {pair.step, pair.step + 1}) {
       const Pose eye = pose_of(step);
       const ReferenceImage truth = render_reference(scene, eye, display, truth_samples);
-      if (Status status = write_bytes(truth_path(result.folder_, result.poses_.size()), truth.rgb); !status) return tl::unexpected(status.error());
+      if (Status status = write_bytes(truth_path(result.folder_, result.poses_.size()), truth.rgb); !status)
+        return tl::unexpected(status.error());
       result.poses_.push_back(eye);
     }
   return result;
@@ -71,7 +75,8 @@ Trace BorderPairs::trace() const {
   return trace;
 }
 
-Result<BorderFlip> BorderPairs::judge(const Display& display, const std::function<Result<std::vector<std::uint8_t>>(std::size_t)>& rgb_of) const {
+Result<BorderFlip> BorderPairs::judge(const Display& display,
+                                      const std::function<Result<std::vector<std::uint8_t>>(std::size_t)>& rgb_of) const {
   std::vector<double> crossing, inside;
   Image8 wanted(display.width, display.height, 3), seen = wanted;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {

@@ -29,7 +29,8 @@ class BorderPairs {
  public:
   /// `count` crossings and as many others; `scene_origin` carries the trace's poses into the scene frame. Renders
   /// truth. Errors: kIo.
-  static Result<BorderPairs> create(const Scene& scene, const ViewerCells& cells, const Trace& trace, std::size_t count, const Display& display, int truth_samples);
+  static Result<BorderPairs> create(const Scene& scene, const ViewerCells& cells, const Trace& trace, std::size_t count,
+                                    const Display& display, int truth_samples);
 
   /// Scene frame, two per pair.
   const std::vector<Pose>& poses() const { return poses_; }

@@ -10,11 +10,16 @@
 namespace farfield::bench {
 namespace {
 
-bool is_known(const CurvePoint& point, const CostAxis& axis) { return std::isfinite(point.*axis.cost) && std::isfinite(point.flip); }
-bool is_positive(const CurvePoint& point, const CostAxis& axis) { return is_known(point, axis) && point.*axis.cost > 0 && point.flip > 0; }
+bool is_known(const CurvePoint& point, const CostAxis& axis) {
+  return std::isfinite(point.*axis.cost) && std::isfinite(point.flip);
+}
+bool is_positive(const CurvePoint& point, const CostAxis& axis) {
+  return is_known(point, axis) && point.*axis.cost > 0 && point.flip > 0;
+}
 
 // The curve's points that have a cost, cheapest first: sweeps need not be monotone.
-std::vector<std::size_t> by_cost(std::span<const CurvePoint> points, const CostAxis& axis, bool (*is_usable)(const CurvePoint&, const CostAxis&)) {
+std::vector<std::size_t> by_cost(std::span<const CurvePoint> points, const CostAxis& axis,
+                                 bool (*is_usable)(const CurvePoint&, const CostAxis&)) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (is_usable(points[i], axis)) order.push_back(i);
@@ -86,7 +91,8 @@ std::vector<std::string> dominance_report(const std::string& name, std::span<con
       lines.push_back(fmt::format("{}: for that error it needs {:.4g} {}", here, cost, axis.unit));
   }
   if (has_theirs && lines.empty())
-    lines.push_back(fmt::format("{}: {} lies below and left of {}{}", axis.name, name, theirs.method, theirs.knob.empty() ? "" : ":" + theirs.knob));
+    lines.push_back(
+        fmt::format("{}: {} lies below and left of {}{}", axis.name, name, theirs.method, theirs.knob.empty() ? "" : ":" + theirs.knob));
   return lines;
 }
 

@@ -12,9 +12,9 @@
 namespace farfield::bench {
 
 struct CurvePoint {
-  double value = 0;            // of the knob
-  double frame_ms = kNone;     // median, lockstep
-  double mbit_s = kNone;       // lockstep, warm; NaN: the method streams nothing
+  double value = 0;                      // of the knob
+  double frame_ms = kNone;               // median, lockstep
+  double mbit_s = kNone;                 // lockstep, warm; NaN: the method streams nothing
   double flip = kNone, psnr_db = kNone;  // means
 };
 

@@ -88,7 +88,8 @@ Result<BorderFlip> judge_borders(const World& world, const FarfieldSettings& wan
   if (trace.frames.empty()) return BorderFlip{};
   const std::filesystem::path file = folder->path() / "pairs.trace";
   if (Status status = write_trace(file, trace); !status) return tl::unexpected(status.error());
-  const auto client = run_client(world.options.display, {serving.server->endpoint(), wanted.renderer, "lockstep", folder->path(), file, trace.frames.size(), wanted.client_samples}, *serving.pool);
+  const ClientRun run{serving.server->endpoint(), wanted.renderer, "lockstep", folder->path(), file, trace.frames.size(), wanted.client_samples};
+  const auto client = run_client(world.options.display, run, *serving.pool);
   if (!client) return tl::unexpected(client.error());
   return world.border->judge(world.options.display, [&](std::size_t index) {
     return read_frame(frame_path(folder->path(), index)).map([](const DumpedFrame& dump) { return judged(dump.frame).rgb; });
@@ -153,7 +154,8 @@ Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wa
       proxy = std::move(*started);
     }
     const Endpoint endpoint = is_linked ? proxy->endpoint() : (*serving)->server->endpoint();
-    const auto client = run_client(world.options.display, {endpoint, wanted.renderer, mode, folder->path(), world.options.trace, world.poses.size(), wanted.client_samples}, *(*serving)->pool);
+    const ClientRun run{endpoint, wanted.renderer, mode, folder->path(), world.options.trace, world.poses.size(), wanted.client_samples};
+    const auto client = run_client(world.options.display, run, *(*serving)->pool);
     if (!client) return tl::unexpected(client.error());
     const std::vector<double> frame_ms = (*client)["frame_ms"].get<std::vector<double>>();
     result.client_rss_mb = std::max(std::isnan(result.client_rss_mb) ? 0 : result.client_rss_mb, number(*client, "peak_rss_mb"));

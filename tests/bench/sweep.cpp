@@ -8,7 +8,8 @@ namespace farfield::bench {
 
 Result<Sweep> parse_sweep(const std::string& text, std::span<const Method> methods) {
   const std::size_t colon = text.find(':'), equals = text.find('=', colon == std::string::npos ? 0 : colon);
-  if (colon == std::string::npos || equals == std::string::npos) return fail(ErrorCode::kInvalidArgument, "'{}': write METHOD:KNOB=a,b,c", text);
+  if (colon == std::string::npos || equals == std::string::npos)
+    return fail(ErrorCode::kInvalidArgument, "'{}': write METHOD:KNOB=a,b,c", text);
   Sweep sweep{text.substr(0, colon), text.substr(colon + 1, equals - colon - 1), {}};
   const Method* method = find_method(methods, sweep.method);
   if (!method) return fail(ErrorCode::kInvalidArgument, "there is no method '{}' (see --help)", sweep.method);
@@ -18,7 +19,8 @@ Result<Sweep> parse_sweep(const std::string& text, std::span<const Method> metho
     const auto [stop, error] = std::from_chars(text.data() + begin, text.data() + end, value);
     if (error != std::errc{} || stop != text.data() + end)
       return fail(ErrorCode::kInvalidArgument, "'{}' is no number (write METHOD:KNOB=a,b,c)", text.substr(begin, end - begin));
-    if (const std::string why = objection_to(*method, {sweep.knob, value}); !why.empty()) return fail(ErrorCode::kInvalidArgument, "{}", why);
+    if (const std::string why = objection_to(*method, {sweep.knob, value}); !why.empty())
+      return fail(ErrorCode::kInvalidArgument, "{}", why);
     sweep.values.push_back(value);
     begin = end + 1;
   }

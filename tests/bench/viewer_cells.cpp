@@ -4,7 +4,8 @@
 namespace farfield::bench {
 
 ViewerCells::ViewerCells(std::shared_ptr<const Scene> scene, const ImpostorSettings& settings)
-    : shells_{CellGrid{settings.finest_side_m}, settings.kappa}, tree_(std::make_shared<CellTree>(std::move(scene), shells_, settings.near_triangles)) {}
+    : shells_{CellGrid{settings.finest_side_m}, settings.kappa},
+      tree_(std::make_shared<CellTree>(std::move(scene), shells_, settings.near_triangles)) {}
 
 CellId ViewerCells::leaf_at(const glm::dvec3& viewpoint) const {
   return *tree_->leaf_at(viewpoint, nullptr);  // fails only if cancelled

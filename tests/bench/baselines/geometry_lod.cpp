@@ -40,10 +40,14 @@ struct LodBuffer {
 };
 
 using MaterialKey = std::tuple<ContentHash, bool, float>;
-MaterialKey key_of(const Chunk& chunk) { return {chunk.texture, chunk.is_alpha_masked, chunk.alpha_cutoff}; }
+MaterialKey key_of(const Chunk& chunk) {
+  return {chunk.texture, chunk.is_alpha_masked, chunk.alpha_cutoff};
+}
 
 /// In double: a vertex that two chunks share must come out the same, or it could not be merged.
-glm::vec3 placed(const glm::dmat4x3& from_chunk, const ChunkVertex& vertex) { return glm::vec3(from_chunk * glm::dvec4(vertex.position, 1)); }
+glm::vec3 placed(const glm::dmat4x3& from_chunk, const ChunkVertex& vertex) {
+  return glm::vec3(from_chunk * glm::dvec4(vertex.position, 1));
+}
 
 /// Positions that more than one buffer uses: no level of detail may move them.
 class MeetingPoints {
@@ -133,7 +137,8 @@ class LodRenderer {
       from_chunk[3] -= origin_;
       const std::size_t first_vertex = mesh.vertices.size();
       client::append_surface(chunk, glm::mat4x3(from_chunk), mesh.vertices, mesh.indices);
-      for (std::size_t v = 0; v < chunk.vertices.size(); ++v) mesh.vertices[first_vertex + v].position = placed(from_chunk, chunk.vertices[v]);
+      for (std::size_t v = 0; v < chunk.vertices.size(); ++v)
+        mesh.vertices[first_vertex + v].position = placed(from_chunk, chunk.vertices[v]);
       mesh.chunk_ends.push_back(static_cast<std::uint32_t>(mesh.indices.size()));
       if (mesh.indices.size() >= kBufferIndices) upload(std::exchange(mesh, {}), meeting);
     }
@@ -142,7 +147,9 @@ class LodRenderer {
   }
 
   void upload(PendingMesh mesh, const MeetingPoints& meeting) {
-    LodBuffer buffer{mesh.texture, mesh.is_alpha_masked, mesh.alpha_cutoff, build_lod_forest(mesh.vertices, mesh.indices, mesh.chunk_ends, [&](const glm::vec3& p) { return meeting.contains(p); })};
+    LodBuffer buffer{
+        mesh.texture, mesh.is_alpha_masked, mesh.alpha_cutoff,
+        build_lod_forest(mesh.vertices, mesh.indices, mesh.chunk_ends, [&](const glm::vec3& p) { return meeting.contains(p); })};
     const auto vertices = std::as_bytes(std::span(buffer.forest.vertices)), indices = std::as_bytes(std::span(buffer.forest.indices));
     buffer.vertices = client::Buffer::make(vertices.size());
     buffer.vertices.write(0, vertices);
@@ -160,7 +167,8 @@ class LodRenderer {
     const glm::dvec3 eye = view.eye - origin_;
     const auto may_see = [&](const LodNode& node) {
       const glm::dvec3 low(node.min), high(node.max), half = 0.5 * (high - low);
-      return view.may_see({rotation * (0.5 * (low + high) - eye), glm::dmat3(rotation[0] * half.x, rotation[1] * half.y, rotation[2] * half.z)});
+      return view.may_see(
+          {rotation * (0.5 * (low + high) - eye), glm::dmat3(rotation[0] * half.x, rotation[1] * half.y, rotation[2] * half.z)});
     };
     select_lods(buffer.forest, glm::vec3(eye), static_cast<float>(error_per_metre), may_see,
                 [&](const LodNode& node) { runs_.emplace_back(node.first_index, node.index_count); });
@@ -208,7 +216,8 @@ Result<MethodResult> run_geometry_lod(const World& world, const KnobValues& knob
   const BenchClock::time_point start = BenchClock::now();
   Result<LodRenderer> renderer = LodRenderer::create(abilities, *world.scene);
   if (!renderer) return tl::unexpected(renderer.error());
-  std::cerr << fmt::format("levels of detail: {} triangles made of {} in {:.1f} s\n", renderer->triangles_held(), world.scene->statistics().drawn_triangles, 1e-3 * ms_since(start));
+  std::cerr << fmt::format("levels of detail: {} triangles made of {} in {:.1f} s\n", renderer->triangles_held(),
+                           world.scene->statistics().drawn_triangles, 1e-3 * ms_since(start));
   const Display& display = world.options.display;
   auto target = client::Framebuffer::create(abilities, display.width, display.height, knobs.whole("samples"));
   if (!target) return tl::unexpected(target.error());
@@ -234,7 +243,8 @@ Result<MethodResult> run_geometry_lod(const World& world, const KnobValues& knob
 }  // namespace
 
 Method geometry_lod_method() {
-  return {"geometry-lod", "static levels of detail by screen error, through OpenGL",
+  return {"geometry-lod",
+          "static levels of detail by screen error, through OpenGL",
           {{"error_px", 1, "error of a level at its nearest point, pixels", 0, 1000},
            {.name = "samples", .default_value = 1, .description = "multisamples per pixel", .choices = {1, 4}}},
           run_geometry_lod};

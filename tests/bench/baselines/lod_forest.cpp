@@ -15,7 +15,7 @@ namespace {
 
 using client::SurfaceVertex;
 
-constexpr std::size_t kGroup = 4;           // nodes merged into one of the next level
+constexpr std::size_t kGroup = 4;            // nodes merged into one of the next level
 constexpr float kWantedShare = 0.5f;         // of the group's triangles: less would cost a large error at once
 constexpr float kLargestUsefulShare = 0.8f;  // a group that keeps more is not worth its memory
 
@@ -27,12 +27,14 @@ struct Simplified {
 /// Which positions several groups of a level use. Vertices with equal positions and different attributes count as one.
 class SharedPositions {
  public:
-  SharedPositions(const std::vector<SurfaceVertex>& vertices, const IsFixed& is_fixed) : position_of_(vertices.size()), owner_(vertices.size(), kNobody) {
+  SharedPositions(const std::vector<SurfaceVertex>& vertices, const IsFixed& is_fixed)
+      : position_of_(vertices.size()), owner_(vertices.size(), kNobody) {
     const auto key = [&](std::uint32_t v) { return std::tie(vertices[v].position.x, vertices[v].position.y, vertices[v].position.z); };
     std::vector<std::uint32_t> order(vertices.size());
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-    for (std::size_t k = 0; k < order.size(); ++k) position_of_[order[k]] = k > 0 && key(order[k]) == key(order[k - 1]) ? position_of_[order[k - 1]] : order[k];
+    for (std::size_t k = 0; k < order.size(); ++k)
+      position_of_[order[k]] = k > 0 && key(order[k]) == key(order[k - 1]) ? position_of_[order[k - 1]] : order[k];
     for (std::size_t v = 0; v < vertices.size(); ++v)
       if (is_fixed(vertices[v].position)) owner_[position_of_[v]] = kFixed;
   }
@@ -71,13 +73,14 @@ Simplified simplify(const std::vector<SurfaceVertex>& vertices, std::span<const 
   for (std::size_t i = 0; i < used.size(); ++i) local[i] = vertices[used[i]];
   std::vector<std::uint32_t> local_indices(indices.size());
   for (std::size_t i = 0; i < indices.size(); ++i)
-    local_indices[i] = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.begin() + static_cast<std::ptrdiff_t>(own), indices[i]) - used.begin());
+    local_indices[i] = static_cast<std::uint32_t>(
+        std::lower_bound(used.begin(), used.begin() + static_cast<std::ptrdiff_t>(own), indices[i]) - used.begin());
   Simplified result;
   result.indices.resize(indices.size());
   const auto target = static_cast<std::size_t>(kWantedShare * static_cast<float>(indices.size() / 3)) * 3;
   float relative_error = 0;
-  const std::size_t count = meshopt_simplify(result.indices.data(), local_indices.data(), local_indices.size(), &local[0].position.x, local.size(),
-                                             sizeof(SurfaceVertex), target, 1.0f, 0, &relative_error);
+  const std::size_t count = meshopt_simplify(result.indices.data(), local_indices.data(), local_indices.size(), &local[0].position.x,
+                                             local.size(), sizeof(SurfaceVertex), target, 1.0f, 0, &relative_error);
   result.indices.resize(count);
   for (std::uint32_t& index : result.indices) index = used[index];
   result.error_m = relative_error * meshopt_simplifyScale(&local[0].position.x, local.size(), sizeof(SurfaceVertex));
@@ -86,7 +89,8 @@ Simplified simplify(const std::vector<SurfaceVertex>& vertices, std::span<const 
 
 void weld(std::span<const SurfaceVertex> vertices, std::span<const std::uint32_t> indices, LodForest& forest) {
   std::vector<std::uint32_t> remap(vertices.size());
-  const std::size_t unique = meshopt_generateVertexRemap(remap.data(), indices.data(), indices.size(), vertices.data(), vertices.size(), sizeof(SurfaceVertex));
+  const std::size_t unique =
+      meshopt_generateVertexRemap(remap.data(), indices.data(), indices.size(), vertices.data(), vertices.size(), sizeof(SurfaceVertex));
   forest.vertices.resize(unique);
   meshopt_remapVertexBuffer(forest.vertices.data(), vertices.data(), vertices.size(), sizeof(SurfaceVertex), remap.data());
   forest.indices.resize(indices.size());
@@ -129,10 +133,12 @@ Group make_group(const LodForest& forest, std::uint32_t first, std::uint32_t cou
   return group;
 }
 
-float distance(const glm::vec3& point, const LodNode& node) { return glm::distance(point, glm::clamp(point, node.min, node.max)); }
+float distance(const glm::vec3& point, const LodNode& node) {
+  return glm::distance(point, glm::clamp(point, node.min, node.max));
+}
 
-void select(const LodForest& forest, std::uint32_t index, const glm::vec3& eye, float error_per_metre, const std::function<bool(const LodNode&)>& may_see,
-            const std::function<void(const LodNode&)>& emit) {
+void select(const LodForest& forest, std::uint32_t index, const glm::vec3& eye, float error_per_metre,
+            const std::function<bool(const LodNode&)>& may_see, const std::function<void(const LodNode&)>& emit) {
   const LodNode& node = forest.nodes[index];
   if (!may_see(node)) return;
   if (node.child_count == 0 || node.error_m <= error_per_metre * distance(eye, node)) return emit(node);
@@ -141,8 +147,8 @@ void select(const LodForest& forest, std::uint32_t index, const glm::vec3& eye, 
 
 }  // namespace
 
-LodForest build_lod_forest(std::span<const SurfaceVertex> vertices, std::span<const std::uint32_t> indices, std::span<const std::uint32_t> chunk_ends,
-                             const IsFixed& is_fixed) {
+LodForest build_lod_forest(std::span<const SurfaceVertex> vertices, std::span<const std::uint32_t> indices,
+                           std::span<const std::uint32_t> chunk_ends, const IsFixed& is_fixed) {
   LodForest forest;
   weld(vertices, indices, forest);
   std::uint32_t begin = 0;
@@ -165,7 +171,8 @@ LodForest build_lod_forest(std::span<const SurfaceVertex> vertices, std::span<co
     for (std::size_t g = 0; g < groups.size(); ++g)
       for_each_vertex(groups[g], [&](std::uint32_t vertex) { shared.use(vertex, static_cast<std::uint32_t>(g)); });
     std::vector<Group> made(groups.size());
-    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t g) { made[g] = make_group(forest, groups[g].first, groups[g].second, shared); });
+    tbb::parallel_for(std::size_t{0}, groups.size(),
+                      [&](std::size_t g) { made[g] = make_group(forest, groups[g].first, groups[g].second, shared); });
     const std::size_t level_begin = forest.nodes.size();
     for (Group& group : made) {
       if (!group.is_useful) {
@@ -174,7 +181,8 @@ LodForest build_lod_forest(std::span<const SurfaceVertex> vertices, std::span<co
         for (std::uint32_t c = 0; c < group.node.child_count; ++c) forest.roots.push_back(group.node.first_child + c);
         continue;
       }
-      group.node.first_index = static_cast<std::uint32_t>(forest.indices.size()), group.node.index_count = static_cast<std::uint32_t>(group.indices.size());
+      group.node.first_index = static_cast<std::uint32_t>(forest.indices.size()),
+      group.node.index_count = static_cast<std::uint32_t>(group.indices.size());
       forest.indices.insert(forest.indices.end(), group.indices.begin(), group.indices.end());
       forest.nodes.push_back(group.node);
     }

@@ -23,9 +23,11 @@ std::vector<std::uint8_t> warp_by_rotation(std::span<const std::uint8_t> picture
     for (int x = 0; x < shown.width; ++x, direction += step, pixel += 3) {
       // Behind the picture's plane there is nothing: far beyond an edge.
       const float inverse = scale / std::max(-direction.z, 1e-6f);
-      const float px = std::clamp(middle_x + direction.x * inverse, 0.0f, last_x), py = std::clamp(middle_y - direction.y * inverse, 0.0f, last_y);
+      const float px = std::clamp(middle_x + direction.x * inverse, 0.0f, last_x),
+                  py = std::clamp(middle_y - direction.y * inverse, 0.0f, last_y);
       const int x0 = std::min(static_cast<int>(px), from.width - 2), y0 = std::min(static_cast<int>(py), from.height - 2);
-      const int fx = static_cast<int>((px - static_cast<float>(x0)) * 256 + 0.5f), fy = static_cast<int>((py - static_cast<float>(y0)) * 256 + 0.5f);
+      const int fx = static_cast<int>((px - static_cast<float>(x0)) * 256 + 0.5f),
+                fy = static_cast<int>((py - static_cast<float>(y0)) * 256 + 0.5f);
       const std::uint8_t* upper = &picture[3 * (static_cast<std::size_t>(y0) * from.width + x0)];
       const std::uint8_t* lower = upper + std::size_t{3} * from.width;
       for (int c = 0; c < 3; ++c) {

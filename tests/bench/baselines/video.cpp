@@ -33,7 +33,8 @@ struct Sums {
 };
 
 void set_figures(const World& world, const VideoSchedule& schedule, const Sums& sums, MethodResult& result) {
-  result.frame_p50 = percentile(sums.times, 0.50), result.frame_p95 = percentile(sums.times, 0.95), result.frame_p99 = percentile(sums.times, 0.99);
+  result.frame_p50 = percentile(sums.times, 0.50), result.frame_p95 = percentile(sums.times, 0.95),
+  result.frame_p99 = percentile(sums.times, 0.99);
   if (!(sums.pictures > 0)) return;
   const double per_second = sums.bytes / (sums.pictures * schedule.interval_s);
   result.mbit_s_warm = 8e-6 * per_second;
@@ -46,9 +47,11 @@ Result<MethodResult> run_video(const World& world, const KnobValues& knobs) {
   const double delay_s = video_delay_s(world.options.link_model);
   const VideoSchedule schedule = make_video_schedule(world.trace, world.poses.size(), knobs["hz"], delay_s);
   const Display wide = schedule.rendered(display);
-  const VideoSettings settings{wide.width, wide.height, 1 / schedule.interval_s, knobs["crf"], knobs["kbit_s"], knobs.whole("chroma") == 444};
-  std::cerr << fmt::format("video: {} pictures of {}x{}, {:.1f} a second, {:.0f} ms old when shown, {:.1f} degrees wider on each side\n", schedule.pictures.size(), wide.width,
-                           wide.height, 1 / schedule.interval_s, 1e3 * delay_s, schedule.margin_rad * 180 / 3.14159265358979323846);
+  const VideoSettings settings{wide.width,   wide.height,     1 / schedule.interval_s,
+                               knobs["crf"], knobs["kbit_s"], knobs.whole("chroma") == 444};
+  std::cerr << fmt::format("video: {} pictures of {}x{}, {:.1f} a second, {:.0f} ms old when shown, {:.1f} degrees wider on each side\n",
+                           schedule.pictures.size(), wide.width, wide.height, 1 / schedule.interval_s, 1e3 * delay_s,
+                           schedule.margin_rad * 180 / 3.14159265358979323846);
   MethodResult result;
   ErrorAverage errors(display);
   Sums sums;
@@ -59,7 +62,8 @@ Result<MethodResult> run_video(const World& world, const KnobValues& knobs) {
       if (!opened) return tl::unexpected(opened.error());
       stream.emplace(std::move(*opened));
     }
-    const Result<Bytes> bytes = stream->encoder.encode(render_reference(*world.scene, world.scene_from_world(picture.predicted), wide, 1).rgb);
+    const Result<Bytes> bytes =
+        stream->encoder.encode(render_reference(*world.scene, world.scene_from_world(picture.predicted), wide, 1).rgb);
     if (!bytes) return tl::unexpected(bytes.error());
     if (picture.is_first && std::isnan(result.bytes_entry)) result.bytes_entry = static_cast<double>(bytes->size());
     if (!picture.is_first && !picture.is_before_walk) sums.bytes += static_cast<double>(bytes->size()), ++sums.pictures;
@@ -83,7 +87,8 @@ Result<MethodResult> run_video(const World& world, const KnobValues& knobs) {
 }  // namespace
 
 Method video_method() {
-  return {"video", "the server renders every frame and sends H.264; the client decodes and turns it",
+  return {"video",
+          "the server renders every frame and sends H.264; the client decodes and turns it",
           {{"crf", 23, "x264's constant rate factor", 0, 51},
            {"kbit_s", 0, "average rate instead, kbit/s; 0: crf decides", 0, 1e6},
            {.name = "hz", .default_value = 30, .description = "pictures a second", .choices = {30, 60}},

@@ -30,7 +30,9 @@ std::string reason(int error) {
   return text;
 }
 
-int chroma_step(int format) { return format == AV_PIX_FMT_YUV444P ? 1 : 2; }
+int chroma_step(int format) {
+  return format == AV_PIX_FMT_YUV444P ? 1 : 2;
+}
 
 }  // namespace
 
@@ -61,7 +63,8 @@ Result<VideoEncoder> VideoEncoder::create(const VideoSettings& settings) {
   c.time_base = av_d2q(1 / settings.pictures_per_second, 1'000'000);
   c.framerate = av_inv_q(c.time_base);
   c.gop_size = 1'000'000, c.max_b_frames = 0;
-  c.colorspace = AVCOL_SPC_BT709, c.color_primaries = AVCOL_PRI_BT709, c.color_trc = AVCOL_TRC_IEC61966_2_1, c.color_range = AVCOL_RANGE_MPEG;
+  c.colorspace = AVCOL_SPC_BT709, c.color_primaries = AVCOL_PRI_BT709, c.color_trc = AVCOL_TRC_IEC61966_2_1,
+  c.color_range = AVCOL_RANGE_MPEG;
   av_opt_set(c.priv_data, "preset", "superfast", 0);
   av_opt_set(c.priv_data, "tune", "zerolatency", 0);
   if (settings.kbit_s > 0) {
@@ -70,19 +73,24 @@ Result<VideoEncoder> VideoEncoder::create(const VideoSettings& settings) {
   } else {
     av_opt_set_double(c.priv_data, "crf", settings.crf, 0);
   }
-  if (const int error = avcodec_open2(&c, codec, nullptr); error < 0) return fail(ErrorCode::kUnavailable, "x264 does not start: {}", reason(error));
+  if (const int error = avcodec_open2(&c, codec, nullptr); error < 0)
+    return fail(ErrorCode::kUnavailable, "x264 does not start: {}", reason(error));
   state->picture->format = c.pix_fmt, state->picture->width = c.width, state->picture->height = c.height;
-  if (const int error = av_frame_get_buffer(state->picture.get(), 0); error < 0) return fail(ErrorCode::kInternal, "no picture buffer: {}", reason(error));
+  if (const int error = av_frame_get_buffer(state->picture.get(), 0); error < 0)
+    return fail(ErrorCode::kInternal, "no picture buffer: {}", reason(error));
   return VideoEncoder(std::move(state));
 }
 
 Result<Bytes> VideoEncoder::encode(std::span<const std::uint8_t> rgb) {
   State& s = *state_;
-  if (const int error = av_frame_make_writable(s.picture.get()); error < 0) return fail(ErrorCode::kInternal, "no picture buffer: {}", reason(error));
+  if (const int error = av_frame_make_writable(s.picture.get()); error < 0)
+    return fail(ErrorCode::kInternal, "no picture buffer: {}", reason(error));
   AVFrame& p = *s.picture;
-  rgb_to_yuv(rgb, p.width, p.height, chroma_step(p.format), {{p.data[0], p.linesize[0]}, {p.data[1], p.linesize[1]}, {p.data[2], p.linesize[2]}});
+  rgb_to_yuv(rgb, p.width, p.height, chroma_step(p.format),
+             {{p.data[0], p.linesize[0]}, {p.data[1], p.linesize[1]}, {p.data[2], p.linesize[2]}});
   s.picture->pts = s.count++;
-  if (const int error = avcodec_send_frame(s.context.get(), s.picture.get()); error < 0) return fail(ErrorCode::kInternal, "x264: {}", reason(error));
+  if (const int error = avcodec_send_frame(s.context.get(), s.picture.get()); error < 0)
+    return fail(ErrorCode::kInternal, "x264: {}", reason(error));
   if (const int error = avcodec_receive_packet(s.context.get(), s.packet.get()); error < 0)
     return fail(ErrorCode::kInternal, "x264 gives no picture at once: {}", reason(error));
   Bytes bytes(s.packet->data, s.packet->data + s.packet->size);
@@ -109,21 +117,25 @@ Result<VideoDecoder> VideoDecoder::create() {
   // Threads inside a picture only: one per picture would hold pictures back.
   state->context->thread_type = FF_THREAD_SLICE, state->context->thread_count = 0;
   state->context->flags |= AV_CODEC_FLAG_LOW_DELAY;
-  if (const int error = avcodec_open2(state->context.get(), codec, nullptr); error < 0) return fail(ErrorCode::kUnavailable, "the H.264 decoder does not start: {}", reason(error));
+  if (const int error = avcodec_open2(state->context.get(), codec, nullptr); error < 0)
+    return fail(ErrorCode::kUnavailable, "the H.264 decoder does not start: {}", reason(error));
   return VideoDecoder(std::move(state));
 }
 
 Result<std::vector<std::uint8_t>> VideoDecoder::decode(const Bytes& picture) {
   State& s = *state_;
-  if (const int error = av_new_packet(s.packet.get(), static_cast<int>(picture.size())); error < 0) return fail(ErrorCode::kInternal, "no packet: {}", reason(error));
+  if (const int error = av_new_packet(s.packet.get(), static_cast<int>(picture.size())); error < 0)
+    return fail(ErrorCode::kInternal, "no packet: {}", reason(error));
   std::memcpy(s.packet->data, picture.data(), picture.size());
   int error = avcodec_send_packet(s.context.get(), s.packet.get());
   av_packet_unref(s.packet.get());
   if (error >= 0) error = avcodec_receive_frame(s.context.get(), s.picture.get());
   if (error < 0) return fail(ErrorCode::kBadData, "H.264: {}", reason(error));
   const AVFrame& p = *s.picture;
-  if (p.format != AV_PIX_FMT_YUV420P && p.format != AV_PIX_FMT_YUV444P) return fail(ErrorCode::kBadData, "H.264: pixel format {} is none of ours", p.format);
-  return yuv_to_rgb({{p.data[0], p.linesize[0]}, {p.data[1], p.linesize[1]}, {p.data[2], p.linesize[2]}}, p.width, p.height, chroma_step(p.format));
+  if (p.format != AV_PIX_FMT_YUV420P && p.format != AV_PIX_FMT_YUV444P)
+    return fail(ErrorCode::kBadData, "H.264: pixel format {} is none of ours", p.format);
+  return yuv_to_rgb({{p.data[0], p.linesize[0]}, {p.data[1], p.linesize[1]}, {p.data[2], p.linesize[2]}}, p.width, p.height,
+                    chroma_step(p.format));
 }
 
 }  // namespace farfield::bench

@@ -14,11 +14,11 @@
 namespace farfield::bench {
 
 struct VideoSettings {
-  int width = 0, height = 0;         // even
+  int width = 0, height = 0;  // even
   double pictures_per_second = 30;
-  double crf = 23;                   // x264's constant rate factor: 0 … 51, more is worse
-  double kbit_s = 0;                 // if positive: an average rate instead, kept over one second
-  bool has_full_chroma = false;      // 4:4:4 instead of 4:2:0
+  double crf = 23;               // x264's constant rate factor: 0 … 51, more is worse
+  double kbit_s = 0;             // if positive: an average rate instead, kept over one second
+  bool has_full_chroma = false;  // 4:4:4 instead of 4:2:0
 };
 
 /// x264, preset superfast, tuned for no delay: no pictures held back, none coded from later ones. Only the first picture

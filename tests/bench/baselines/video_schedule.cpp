@@ -20,7 +20,8 @@ constexpr double kLargestMargin = 30 * 3.14159265358979323846 / 180;
 /// The server's idea of where the viewer will be; asked for ever later times.
 class Predictor {
  public:
-  Predictor(const Trace& trace, double delay_s) : trace_(trace), delay_s_(delay_s), next_(trace.frames.front().time_s - kSteadySeconds - delay_s) {}
+  Predictor(const Trace& trace, double delay_s)
+      : trace_(trace), delay_s_(delay_s), next_(trace.frames.front().time_s - kSteadySeconds - delay_s) {}
 
   Pose at(double shown_s) {
     if (!(delay_s_ > 0)) return pose_at(trace_, shown_s);
@@ -47,7 +48,9 @@ double angle_between(const glm::dquat& a, const glm::dquat& b) {
   return 2 * std::atan2(glm::length(glm::dvec3(turn.x, turn.y, turn.z)), std::abs(turn.w));
 }
 
-int even(double size) { return 2 * static_cast<int>(std::ceil(size / 2)); }
+int even(double size) {
+  return 2 * static_cast<int>(std::ceil(size / 2));
+}
 
 }  // namespace
 

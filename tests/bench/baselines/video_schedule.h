@@ -11,16 +11,16 @@
 namespace farfield::bench {
 
 struct VideoPicture {
-  Pose predicted, shown;          // the pose it is rendered for, and the pose when it is shown; the trace's frame
-  bool is_first = false;          // of a stretch: the only one that stands alone
-  bool is_before_walk = false;    // the viewer still stands at the trace's beginning
-  int judged = -1;                // index of the sampled frame it is shown for, or none
+  Pose predicted, shown;        // the pose it is rendered for, and the pose when it is shown; the trace's frame
+  bool is_first = false;        // of a stretch: the only one that stands alone
+  bool is_before_walk = false;  // the viewer still stands at the trace's beginning
+  int judged = -1;              // index of the sampled frame it is shown for, or none
 };
 
 struct VideoSchedule {
-  double interval_s = 1.0 / 30;   // between pictures
+  double interval_s = 1.0 / 30;  // between pictures
   std::vector<VideoPicture> pictures;
-  double margin_rad = 0;          // added to the view on each side
+  double margin_rad = 0;  // added to the view on each side
 
   /// The view that is rendered: `display` with the margin on all sides at the same pixel pitch, both sizes even.
   Display rendered(const Display& display) const;

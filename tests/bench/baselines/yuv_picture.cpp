@@ -13,7 +13,9 @@ namespace {
 constexpr float kRed = 0.2126f, kBlue = 0.0722f, kGreen = 1 - kRed - kBlue;
 constexpr float kLuma = 219.0f / 255, kChroma = 224.0f / 255;
 
-std::uint8_t code(float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 255.0f) + 0.5f); }
+std::uint8_t code(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 255.0f) + 0.5f);
+}
 
 }  // namespace
 
@@ -21,7 +23,9 @@ void rgb_to_yuv(std::span<const std::uint8_t> rgb, int width, int height, int st
   const auto luma = [](const std::uint8_t* p) { return kRed * p[0] + kGreen * p[1] + kBlue * p[2]; };
   tbb::parallel_for(0, height / step, [&](int block_row) {
     for (int y = block_row * step; y < (block_row + 1) * step; ++y)
-      for (int x = 0; x < width; ++x) planes[0].rows[static_cast<std::ptrdiff_t>(y) * planes[0].stride + x] = code(16 + kLuma * luma(&rgb[3 * (static_cast<std::size_t>(y) * width + x)]));
+      for (int x = 0; x < width; ++x)
+        planes[0].rows[static_cast<std::ptrdiff_t>(y) * planes[0].stride + x] =
+            code(16 + kLuma * luma(&rgb[3 * (static_cast<std::size_t>(y) * width + x)]));
     for (int block = 0; block < width / step; ++block) {
       float blue = 0, red = 0;
       for (int k = 0; k < step * step; ++k) {
@@ -52,9 +56,11 @@ std::vector<std::uint8_t> yuv_to_rgb(const Plane<const std::uint8_t> (&planes)[3
     std::uint8_t* out = &rgb[std::size_t{3} * y * width];
     for (int x = 0; x < width; ++x, out += 3) {
       const auto own = static_cast<std::size_t>(x / step);
-      const auto next = step == 1 ? own : static_cast<std::size_t>(std::clamp(static_cast<int>(own) + (x % 2 ? 1 : -1), 0, chroma_width - 1));
+      const auto next =
+          step == 1 ? own : static_cast<std::size_t>(std::clamp(static_cast<int>(own) + (x % 2 ? 1 : -1), 0, chroma_width - 1));
       const float luma = (static_cast<float>(luma_row[x]) - 16) / kLuma;
-      const float blue = (0.75f * chroma[0][own] + 0.25f * chroma[0][next]) * 2 * (1 - kBlue), red = (0.75f * chroma[1][own] + 0.25f * chroma[1][next]) * 2 * (1 - kRed);
+      const float blue = (0.75f * chroma[0][own] + 0.25f * chroma[0][next]) * 2 * (1 - kBlue),
+                  red = (0.75f * chroma[1][own] + 0.25f * chroma[1][next]) * 2 * (1 - kRed);
       out[0] = code(luma + red), out[1] = code(luma - (kBlue * blue + kRed * red) / kGreen), out[2] = code(luma + blue);
     }
   });

@@ -39,7 +39,8 @@ TEST(BenchOptions, AnUnknownMethodIsOneLine) {
 }
 
 TEST(BenchOptions, SweepsMayBeGivenAgainAndCanStandAlone) {
-  const Parsed parsed = parse({"--scene", "house:100:1", "--trace", "t", "--methods", "none", "--sweep", "rays:samples=1,4", "--sweep", "farfield-cpu:quality=50,70"});
+  const Parsed parsed = parse({"--scene", "house:100:1", "--trace", "t", "--methods", "none", "--sweep", "rays:samples=1,4", "--sweep",
+                               "farfield-cpu:quality=50,70"});
   ASSERT_TRUE(parsed.command) << parsed.err;
   EXPECT_TRUE(parsed.command->bench.methods.empty());
   ASSERT_EQ(parsed.command->bench.sweeps.size(), 2u);

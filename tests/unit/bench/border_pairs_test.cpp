@@ -81,7 +81,9 @@ TEST(BorderPairs, TruthItselfChangesNothingAndAWrongFrameShows) {
   ASSERT_EQ(pairs->poses().size(), 8u);
   ASSERT_EQ(pairs->trace().frames.size(), 8u);
   EXPECT_LT(glm::distance(pairs->trace().frames[3].pose.position, pairs->poses()[3].position + world.scene->origin()), 1e-9);
-  const auto truth_of = [&](std::size_t k) -> Result<std::vector<std::uint8_t>> { return render_reference(*world.scene, pairs->poses()[k], world.display, 1).rgb; };
+  const auto truth_of = [&](std::size_t k) -> Result<std::vector<std::uint8_t>> {
+    return render_reference(*world.scene, pairs->poses()[k], world.display, 1).rgb;
+  };
   const auto exact = pairs->judge(world.display, truth_of);
   ASSERT_TRUE(exact);
   EXPECT_DOUBLE_EQ(exact->inside_p99, 0);

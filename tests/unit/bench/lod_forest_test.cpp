@@ -43,13 +43,15 @@ Surface hills() {
   return surface;
 }
 
-LodForest forest_of(const Surface& surface, const IsFixed& is_fixed = [](const glm::vec3&) { return false; }) {
+LodForest forest_of(
+    const Surface& surface, const IsFixed& is_fixed = [](const glm::vec3&) { return false; }) {
   return build_lod_forest(surface.vertices, surface.indices, surface.chunk_ends, is_fixed);
 }
 
 std::vector<const LodNode*> selected(const LodForest& forest, const glm::vec3& eye, float error_per_metre) {
   std::vector<const LodNode*> nodes;
-  select_lods(forest, eye, error_per_metre, [](const LodNode&) { return true; }, [&](const LodNode& node) { nodes.push_back(&node); });
+  select_lods(
+      forest, eye, error_per_metre, [](const LodNode&) { return true; }, [&](const LodNode& node) { nodes.push_back(&node); });
   return nodes;
 }
 
@@ -62,7 +64,8 @@ TEST(LodForest, ErrorsGrowTowardsTheRootsAndTrianglesBecomeFewer) {
     std::size_t children_indices = 0;
     for (std::uint32_t c = node.first_child; c < node.first_child + node.child_count; ++c) {
       EXPECT_GE(node.error_m, forest.nodes[c].error_m);
-      EXPECT_TRUE(glm::all(glm::lessThanEqual(node.min, forest.nodes[c].min)) && glm::all(glm::greaterThanEqual(node.max, forest.nodes[c].max)));
+      EXPECT_TRUE(glm::all(glm::lessThanEqual(node.min, forest.nodes[c].min)) &&
+                  glm::all(glm::greaterThanEqual(node.max, forest.nodes[c].max)));
       children_indices += forest.nodes[c].index_count;
     }
     if (node.child_count == 0) continue;

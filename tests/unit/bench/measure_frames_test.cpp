@@ -26,13 +26,16 @@ TEST(MeasureFrames, TruthIsWithoutErrorAndTheFirstDrawingDoesNotCount) {
   w.is_far.assign(3, std::vector<std::uint8_t>(48 * 32, 1));
   int drawn = 0;
   MethodResult result;
-  const Status status = measure_frames(w, [&](const Pose& eye) -> Result<DrawnFrame> {
-    DrawnFrame frame;
-    frame.seen.rgb = render_reference(*w.scene, eye, w.options.display, 16).rgb;
-    frame.ms = drawn == 0 ? 1000 : drawn, frame.triangles = 10 * drawn;
-    ++drawn;
-    return frame;
-  }, result);
+  const Status status = measure_frames(
+      w,
+      [&](const Pose& eye) -> Result<DrawnFrame> {
+        DrawnFrame frame;
+        frame.seen.rgb = render_reference(*w.scene, eye, w.options.display, 16).rgb;
+        frame.ms = drawn == 0 ? 1000 : drawn, frame.triangles = 10 * drawn;
+        ++drawn;
+        return frame;
+      },
+      result);
   ASSERT_TRUE(status);
   EXPECT_EQ(drawn, 4);
   EXPECT_DOUBLE_EQ(result.frame_p50, 2);
@@ -48,7 +51,8 @@ TEST(MeasureFrames, TruthIsWithoutErrorAndTheFirstDrawingDoesNotCount) {
 
 TEST(MeasureFrames, AFailedFrameIsTheMethodsFailure) {
   MethodResult result;
-  const Status status = measure_frames(world(), [](const Pose&) -> Result<DrawnFrame> { return fail(ErrorCode::kUnavailable, "no picture"); }, result);
+  const Status status = measure_frames(
+      world(), [](const Pose&) -> Result<DrawnFrame> { return fail(ErrorCode::kUnavailable, "no picture"); }, result);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().message, "no picture");
 }
@@ -60,13 +64,16 @@ TEST(MeasureFrames, FarPixelsAreJudgedAlone) {
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = i % 48 < 24;
   w.is_far.assign(3, left);
   MethodResult result;
-  ASSERT_TRUE(measure_frames(w, [&](const Pose& eye) -> Result<DrawnFrame> {
-    DrawnFrame frame;
-    frame.seen.rgb = render_reference(*w.scene, eye, w.options.display, 16).rgb;
-    for (std::size_t i = 0; i < left.size(); ++i)
-      if (!left[i]) frame.seen.rgb[3 * i] ^= 0x80;
-    return frame;
-  }, result));
+  ASSERT_TRUE(measure_frames(
+      w,
+      [&](const Pose& eye) -> Result<DrawnFrame> {
+        DrawnFrame frame;
+        frame.seen.rgb = render_reference(*w.scene, eye, w.options.display, 16).rgb;
+        for (std::size_t i = 0; i < left.size(); ++i)
+          if (!left[i]) frame.seen.rgb[3 * i] ^= 0x80;
+        return frame;
+      },
+      result));
   EXPECT_DOUBLE_EQ(result.error.impostor_psnr_mean, 100);
   EXPECT_LT(result.error.psnr_mean, 20);
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/bench/methods.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
+
+#include "tests/bench/methods.h"
 
 namespace farfield::bench {
 namespace {
@@ -13,8 +13,11 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 Method example() {
-  return {"example", "shows nothing",
-          {{"quality", 76, "JPEG quality", 1, 100, true}, {"error_px", 1, "pixels"}, {.name = "samples", .default_value = 1, .choices = {1, 4}}},
+  return {"example",
+          "shows nothing",
+          {{"quality", 76, "JPEG quality", 1, 100, true},
+           {"error_px", 1, "pixels"},
+           {.name = "samples", .default_value = 1, .choices = {1, 4}}},
           nullptr};
 }
 
@@ -31,8 +34,7 @@ TEST(Method, AllHaveNamesOfTheirOwnASummaryAndAWayToRun) {
 TEST(Method, DefaultsAreAllowed) {
   BenchOptions options;
   for (const Method& method : all_methods(options))
-    for (const Knob& knob : method.knobs)
-      EXPECT_THAT(objection_to(method, {knob.name, knob.default_value}), IsEmpty());
+    for (const Knob& knob : method.knobs) EXPECT_THAT(objection_to(method, {knob.name, knob.default_value}), IsEmpty());
 }
 
 TEST(Method, FarfieldsKnobsBeginWhereTheFlagsPutThem) {
@@ -65,7 +67,8 @@ TEST(Method, ValuesOutOfRangeAreRefusedInOneLine) {
 TEST(Method, TheDescriptionNamesEveryKnob) {
   const std::vector<Method> methods{example()};
   const std::string text = describe(methods);
-  for (const char* part : {"example", "shows nothing", "quality", "JPEG quality (76; 1 to 100)", "(1; 1|4)"}) EXPECT_THAT(text, HasSubstr(part));
+  for (const char* part : {"example", "shows nothing", "quality", "JPEG quality (76; 1 to 100)", "(1; 1|4)"})
+    EXPECT_THAT(text, HasSubstr(part));
 }
 
 }  // namespace

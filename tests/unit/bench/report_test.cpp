@@ -31,7 +31,8 @@ TEST(Report, MethodsHaveCertificateAndBorderFlipNullWhereThereIsNone) {
   EXPECT_EQ(first.at("certificate"), (nlohmann::json{{"void_share", 1e-5}, {"psnr_db", 35.0}, {"warp_px", 0.5}, {"holds_share", 1.0}}));
   EXPECT_EQ(first.at("border_flip"), (nlohmann::json{{"inside_p99", 0.001}, {"crossing_p99", 0.002}}));
   const nlohmann::json& second = json.at("methods").at(1);
-  for (const char* key : {"void_share", "psnr_db", "warp_px", "holds_share"}) EXPECT_TRUE(second.at("certificate").at(key).is_null()) << key;
+  for (const char* key : {"void_share", "psnr_db", "warp_px", "holds_share"})
+    EXPECT_TRUE(second.at("certificate").at(key).is_null()) << key;
   for (const char* key : {"inside_p99", "crossing_p99"}) EXPECT_TRUE(second.at("border_flip").at(key).is_null()) << key;
 }
 

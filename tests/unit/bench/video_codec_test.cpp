@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #ifdef FARFIELD_HAS_VIDEO
-#include "tests/bench/baselines/video_codec.h"
+#  include "tests/bench/baselines/video_codec.h"
 
-#include <gtest/gtest.h>
+#  include <gtest/gtest.h>
 
-#include <cmath>
+#  include <cmath>
 
-#include "common/image/psnr.h"
+#  include "common/image/psnr.h"
 
 namespace farfield::bench {
 namespace {
@@ -18,7 +18,8 @@ Image8 stripes(int time) {
   Image8 image(kWidth, kHeight, 3);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x)
-      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<std::uint8_t>(128 + 90 * std::sin(0.12 * (x + 2 * time) + 0.07 * (c + 1) * y));
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y)[c] = static_cast<std::uint8_t>(128 + 90 * std::sin(0.12 * (x + 2 * time) + 0.07 * (c + 1) * y));
   return image;
 }
 

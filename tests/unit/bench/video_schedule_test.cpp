@@ -20,7 +20,9 @@ Trace walk(double seconds, double turn_rad_s) {
   return trace;
 }
 
-double angle_deg(const glm::dquat& a, const glm::dquat& b) { return 2 * std::acos(std::min(1.0, std::abs(glm::dot(a, b)))) * 180 / kPi; }
+double angle_deg(const glm::dquat& a, const glm::dquat& b) {
+  return 2 * std::acos(std::min(1.0, std::abs(glm::dot(a, b)))) * 180 / kPi;
+}
 
 TEST(VideoSchedule, OneStreamWhereSampledFramesAreDense) {
   const Trace trace = walk(4, 0);

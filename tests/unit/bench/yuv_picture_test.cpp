@@ -25,7 +25,8 @@ std::vector<std::uint8_t> decoded(const Planes& p) {
 }
 
 TEST(YuvPicture, BlackWhiteAndPrimariesHaveTheStandardsCodes) {
-  const std::uint8_t colours[][6] = {{0, 0, 0, 16, 128, 128}, {255, 255, 255, 235, 128, 128}, {255, 0, 0, 63, 102, 240}, {0, 0, 255, 32, 240, 118}};
+  const std::uint8_t colours[][6] = {
+      {0, 0, 0, 16, 128, 128}, {255, 255, 255, 235, 128, 128}, {255, 0, 0, 63, 102, 240}, {0, 0, 255, 32, 240, 118}};
   for (const auto& c : colours) {
     std::vector<std::uint8_t> rgb;
     for (int i = 0; i < kWidth * kHeight; ++i) rgb.insert(rgb.end(), c, c + 3);
