@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// A baseline's frame: near geometry and impostor to a finished image in memory, by the same renderers and with the same
+// closing of cracks and voids as Farfield's client. Belongs to the thread that made it.
+#pragma once
+
+#include <memory>
+
+#include "client/gl/framebuffer.h"
+#include "client/near/near_renderer.h"
+#include "tests/bench/baselines/layer_painter.h"
+#include "tests/bench/baselines/panel_renderer.h"
+
+namespace farfield::bench {
+
+struct BaselineDrawn {
+  double ms = 0;  // from the pose to the finished image
+  std::size_t triangles = 0, samples = 0;
+};
+
+class BaselineFrame {
+ public:
+  /// `samples_per_pixel`: of OpenGL, 1 or 4; layered images need 1. Errors: no OpenGL.
+  static Result<std::unique_ptr<BaselineFrame>> create(const Display& display, int samples_per_pixel);
+
+  /// Either of the two; both must outlive their use.
+  void show(std::span<const MeshPanel> panels) { panels_.upload(panels), layers_ = nullptr; }
+  void show(const LayeredCell& layers) { painter_.set_cell(layers), layers_ = &layers; }
+
+  /// `near`: geometry, near region, sky and background.
+  BaselineDrawn draw(const client::LeafView& near, const Pose& eye, client::Frame& frame);
+
+ private:
+  BaselineFrame() = default;
+  BaselineDrawn draw_panels(const client::LeafView& near, const Pose& eye, const client::ViewTransform& view, client::Frame& frame);
+  BaselineDrawn draw_layers(const client::LeafView& near, const Pose& eye, const client::ViewTransform& view, client::Frame& frame);
+
+  Display display_;
+  std::unique_ptr<client::GlContext> context_;  // destroyed last
+  client::Framebuffer target_;
+  std::unique_ptr<client::NearRenderer> near_;
+  PanelRenderer panels_;
+  LayerPainter painter_;
+  const LayeredCell* layers_ = nullptr;
+  std::vector<std::uint8_t> colour_;
+  std::vector<float> depth_;
+};
+
+}  // namespace farfield::bench
