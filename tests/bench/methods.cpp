@@ -3,6 +3,7 @@
 
 #include "tests/bench/baselines/geometry.h"
 #include "tests/bench/baselines/geometry_lod.h"
+#include "tests/bench/baselines/impostor_methods.h"
 #include "tests/bench/baselines/rays.h"
 #include "tests/bench/baselines/video.h"
 #include "tests/bench/farfield_method.h"
@@ -11,6 +12,7 @@ namespace farfield::bench {
 
 std::vector<Method> all_methods(const BenchOptions& options) {
   std::vector<Method> methods{rays_method(), geometry_method(), geometry_culled_method(), geometry_lod_method()};
+  for (Method& method : impostor_methods(options)) methods.push_back(std::move(method));
 #ifdef FARFIELD_HAS_VIDEO
   methods.push_back(video_method());
 #endif
