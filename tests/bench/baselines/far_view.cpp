@@ -18,7 +18,9 @@ std::optional<FacePlace> place_on(const ViewFrame& frame, const glm::dvec3& poin
 
 CellSpace far_space(const NestedShells& shells, const CellId& leaf) {
   // A cell that is its own root has a shell without end.
-  return CellSpace::of_shell(shells, leaf, leaf);
+  CellSpace space = CellSpace::of_shell(shells, leaf, leaf);
+  space.shell.inside = space.shell.inside.grown(-kOverlapSides * space.side_m);
+  return space;
 }
 
 FarFace cast_far_face(const Scene& scene, const CellSpace& space, const glm::dvec3& position, int face, int edge) {

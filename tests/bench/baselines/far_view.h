@@ -46,7 +46,10 @@ std::optional<FacePlace> place_on(const ViewFrame& frame, const glm::dvec3& poin
 /// The face of a view at `position` that a point falls on. Requires: they differ.
 inline int face_towards(const glm::dvec3& position, const glm::dvec3& point) { return dominant_face(point - position); }
 
-/// The space of a leaf's one impostor: from its near region to infinity.
+/// The space of a leaf's one impostor: from its near region to infinity, and a little into it. Surfaces that cross the
+/// border are drawn on both sides of it, as objects are that a region holds only in part (Wilson & Manocha 2003, section
+/// 3.1.1): else their last sample, mixed with what lies behind the near part, would show as a seam.
+inline constexpr double kOverlapSides = 0.05;  // 12 samples of 1250 at the border, or 3 on a surface seen under 15 degrees
 CellSpace far_space(const NestedShells& shells, const CellId& leaf);
 
 /// Casts edge² rays on the calling arena's TBB workers. Requires: `position` inside the space's near region.

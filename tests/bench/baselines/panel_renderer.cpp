@@ -36,6 +36,10 @@ layout(location = 0) out vec4 colour;
 void main() { colour = vec4(texture(image, texture_place).rgb, 254.0 / 255.0); }
 )";
 
+/// What is drawn of surfaces that near geometry shows too (far_view.h) must lie behind it: by more than the 0.4 % of
+/// its disparity that a pixel of simplification is at the border of the near region.
+constexpr double kBehindNear = 0.99;
+
 /// Squares along a face's edge whose triangles are culled together, as Farfield culls its tiles.
 constexpr int kRunsAlong = 8;
 
@@ -149,7 +153,7 @@ std::size_t PanelRenderer::draw(const client::ViewTransform& view) {
     const glm::mat3 matrix(camera_from_face);
     glUniformMatrix3fv(program_.uniform("camera_from_face"), 1, GL_FALSE, &matrix[0][0]);
     glUniform3f(program_.uniform("shift"), static_cast<float>(shift.x), static_cast<float>(shift.y), static_cast<float>(shift.z));
-    glUniform2f(program_.uniform("depth"), static_cast<float>(depth.scale * view.near_plane_m / held.frame.side_m), depth.bias);
+    glUniform2f(program_.uniform("depth"), static_cast<float>(kBehindNear * depth.scale * view.near_plane_m / held.frame.side_m), depth.bias);
     // Sample i is at u = -1 + (i - ½)·pitch; its texel's centre at (i + ½)/N.
     const double scale = 1 / (held.frame.pitch * held.frame.edge_samples);
     glUniform2f(program_.uniform("texture_from_tangent"), static_cast<float>(scale), static_cast<float>(scale + 1.0 / held.frame.edge_samples));

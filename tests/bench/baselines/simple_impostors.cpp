@@ -15,9 +15,9 @@ double billboard_disparity(const FarView& view, const CellSpace& space) {
   if (found.empty()) return 0;
   const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
   std::nth_element(found.begin(), middle, found.end());
-  // The farthest face of the near region from the view.
+  // The farthest face of the near region from the view, which reaches farther than rays begin.
   const glm::dvec3 reach = glm::max(space.shell.inside.max - view.position, view.position - space.shell.inside.min);
-  return std::min(double{*middle}, space.side_m / std::max({reach.x, reach.y, reach.z}));
+  return std::min(double{*middle}, space.side_m / (std::max({reach.x, reach.y, reach.z}) + kOverlapSides * space.side_m));
 }
 
 std::vector<MeshPanel> make_billboard(const FarView& view, const CellSpace& space) {

@@ -36,5 +36,14 @@ TEST(FarView, APointIsFoundWhereItsSampleIs) {
   EXPECT_FALSE(place_on(face.frame, room.centre() + glm::dvec3(3, -1, 0)));
 }
 
+TEST(FarView, BeginsALittleWithinTheNearRegionAndNeverEnds) {
+  const NestedShells shells{CellGrid{0.5}, 2.0};
+  const CellId leaf = shells.grid.cell_at({0.3, 0.4, 0.5}, 1);
+  const CellSpace space = far_space(shells, leaf);
+  EXPECT_TRUE(shells.near_region(leaf).contains(space.shell.inside));
+  EXPECT_NEAR(space.shell.inside.min.x - shells.near_region(leaf).min.x, kOverlapSides * 1.0, 1e-12);
+  EXPECT_TRUE(space.contains({1e9, 0, 0}));
+}
+
 }  // namespace
 }  // namespace farfield::bench
