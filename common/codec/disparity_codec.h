@@ -11,8 +11,12 @@
 
 namespace farfield {
 
-/// Requires: coverage and cuts as decode_topology will return them (`bits`: theirs), disparity >= 0, tolerance > 0, sides
-/// of whole nodes.
+/// How many tolerances a disparity may be large. At 2^15 the float that the decoder rounds to is off by at most 2^-24 of it,
+/// half of a unit of tolerance/256, for which plane_fit() and the levels leave one.
+inline constexpr float kMostTolerances = 32768;
+
+/// Requires: coverage and cuts as decode_topology will return them (`bits`: theirs), 0 <= disparity <= kMostTolerances
+/// tolerances where covered, tolerance > 0, sides of whole nodes.
 /// Guarantee: |decoded - tile.disparity| <= tile.disparity_tolerance for every covered sample.
 Bytes encode_disparity(const Tile& tile, const TileBits& bits);
 /// Fills tile.disparity; coverage, cuts (`bits`: theirs) and disparity_tolerance are set. Any bytes give some finite disparities >= 0;

@@ -11,6 +11,10 @@
 namespace farfield {
 
 inline constexpr int kOffsetShift = 5;
+/// Steeper planes are not coded as planes, in units per sample. The coder's integers end at 2^24: of surfaces of at most 2^23
+/// units (kMostTolerances), a plane's value at a corner up to 2·64 samples away stays below 2^23 + 2^27 units, the
+/// difference of two such below 2^24 steps of 2^kOffsetShift, and the difference of two slopes at 2^21.
+inline constexpr double kSteepest = 1 << 20;
 inline int slope_shift(int node) { return node >= 32 ? 0 : node >= 16 ? 1 : node >= 8 ? 2 : 3; }
 
 struct Plane {
@@ -88,7 +92,7 @@ bool fit_plane(const Node& node, const Moments& m, RestOf rest_of, Plane& plane)
   const auto quantised = [&](double value, int s) {
     return static_cast<std::int64_t>(std::llround(std::ldexp(value, -s))) * (std::int64_t{1} << s);
   };
-  if (!(std::abs(gx) < 1e9 && std::abs(gy) < 1e9)) return false;
+  if (!(std::abs(gx) < kSteepest && std::abs(gy) < kSteepest)) return false;
   plane.gx = quantised(gx, shift), plane.gy = quantised(gy, shift);
   const Range rest = rest_of(static_cast<double>(plane.gx), static_cast<double>(plane.gy));
   const std::int64_t corner = quantised(0.5 * (rest.low + rest.high), kOffsetShift);

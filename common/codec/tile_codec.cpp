@@ -18,6 +18,8 @@ constexpr std::uint16_t kMagic = 0x5446;  // "FT"
 constexpr std::uint8_t kVersion = 2;
 constexpr std::size_t kMaxBlocks = std::size_t{kRegionBlocks} * kRegionBlocks;
 
+bool is_possible_tolerance(float tolerance) { return tolerance > 1e-12f && tolerance < 1e3f; }
+
 // Certificates travel as half precision: they are measurements with two digits.
 std::uint16_t to_code(float value) { return value < 0 ? 0xffff : static_cast<std::uint16_t>(std::clamp(std::log2(value + 1e-9f) * 1000.0f + 32000.0f, 0.0f, 65534.0f)); }
 float from_code(std::uint16_t code) { return code == 0xffff ? -1.0f : std::exp2((static_cast<float>(code) - 32000.0f) / 1000.0f); }
@@ -85,13 +87,38 @@ Status get_header(ByteReader& in, Tile& tile, int& quality, const TileLimits& li
   const glm::vec3 offset = glm::abs(tile.view_offset);
   // A view stands in its cell, so half a side from the centre at most (one float step of slack is far below 0.51).
   if (!(offset.x <= 0.51f && offset.y <= 0.51f && offset.z <= 0.51f)) return fail(ErrorCode::kBadData, "tile: its view lies outside its cell");
-  if (!(tile.disparity_tolerance > 1e-12f && tile.disparity_tolerance < 1e3f)) return fail(ErrorCode::kBadData, "tile: impossible disparity tolerance");
+  if (!is_possible_tolerance(tile.disparity_tolerance)) return fail(ErrorCode::kBadData, "tile: impossible disparity tolerance");
   return {};
+}
+
+// The tolerance that can be kept: kMostTolerances.
+Result<float> kept_tolerance(const Tile& tile) {
+  float largest = 0;
+  bool is_usable = true;
+  for (std::size_t i = 0; i < tile.samples(); ++i) {
+    if (!tile.coverage[i]) continue;
+    const float disparity = tile.disparity[i];
+    is_usable &= disparity >= 0;  // not NaN either
+    largest = disparity > largest ? disparity : largest;
+  }
+  if (!is_usable || !std::isfinite(largest)) return fail(ErrorCode::kInvalidArgument, "tile: a disparity is negative or not finite");
+  const float kept = std::max(tile.disparity_tolerance, largest / kMostTolerances);
+  if (!is_possible_tolerance(tile.disparity_tolerance) || !is_possible_tolerance(kept))
+    return fail(ErrorCode::kInvalidArgument, "tile: impossible disparity tolerance {} for disparities up to {}", tile.disparity_tolerance, largest);
+  return kept;
 }
 
 }  // namespace
 
 Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBytes* accounting) {
+  const Result<float> tolerance = kept_tolerance(tile);
+  if (!tolerance) return tl::unexpected(tolerance.error());
+  if (*tolerance > tile.disparity_tolerance) {
+    Tile coarser = tile;
+    coarser.disparity_tolerance = *tolerance;
+    if (coarser.certificate.warp_px > 0) coarser.certificate.warp_px *= *tolerance / tile.disparity_tolerance;
+    return encode_tile(coarser, encoding, accounting);
+  }
   ByteWriter out;
   put_header(out, tile, encoding.jpeg_quality);
   if (tile.is_packed()) put_blocks(out, tile);

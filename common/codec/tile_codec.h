@@ -24,8 +24,10 @@ struct TileLimits {
   std::size_t encoded_bytes = std::size_t{4} << 20;
 };
 
-/// Uncovered samples' colours are not kept; disparity error <= tile.disparity_tolerance.
-/// Requires: arrays of the tile's size. Errors: kInternal (library).
+/// Uncovered samples' colours are not kept; disparity error <= the tolerance in the header: tile.disparity_tolerance, or
+/// 2^-15 of the largest disparity where that is more, as floats tell no more apart.
+/// Requires: arrays of the tile's size. Errors: kInvalidArgument (a covered disparity that is negative or not finite, a
+/// tolerance that decoders refuse), kInternal (library).
 Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBytes* accounting = nullptr);
 
 /// Errors: kBadData, kVersionMismatch, kLimitExceeded. Safe on any bytes.

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "common/impostor/tile_neighbours.h"
@@ -126,6 +128,44 @@ TEST(TileCodec, NoiseStaysWithinTolerance) {
   const auto encoded = encode_tile(tile, {});
   ASSERT_TRUE(encoded);
   expect_same(tile, *decode_tile(*encoded));
+}
+
+// Two samples of which one is nearly infinite make a plane of any slope: more than the coder's integers hold.
+TEST(TileCodec, SpikesAtATinyToleranceStayWithinTheToleranceOfTheHeader) {
+  for (const float tolerance : {1e-5f, 1e-8f, 1e-11f}) {
+    Tile tile = dense_tile(4);
+    tile.disparity_tolerance = tolerance;
+    for (std::size_t i = 0; i < tile.samples(); ++i) {
+      tile.coverage[i] = 1;
+      tile.cut_down[i] = tile.cut_right[i] = 0;
+      if (i / 128 < 127) tile.cut_down[i] = 4;
+      if (i % 128 < 127 && i % 2 == 1) tile.cut_right[i] = 4;
+      tile.disparity[i] = i % 2 ? 0.4f : 1e-4f;
+    }
+    const auto encoded = encode_tile(tile, {});
+    ASSERT_TRUE(encoded);
+    const auto decoded = decode_tile(*encoded);
+    ASSERT_TRUE(decoded);
+    EXPECT_FLOAT_EQ(decoded->disparity_tolerance, std::max(tolerance, 0.4f / 32768)) << "floats tell no more apart";
+    const float grown = decoded->disparity_tolerance / tolerance;
+    EXPECT_NEAR(decoded->certificate.warp_px / (tile.certificate.warp_px * grown), 1.0f, 1e-3f) << "and the certificate says so";
+    tile.disparity_tolerance = decoded->disparity_tolerance;
+    expect_same(tile, *decoded);
+  }
+}
+
+TEST(TileCodec, RefusesDisparitiesThatAreNone) {
+  for (const float value : {-0.1f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Tile tile = dense_tile(5);
+    const auto at = static_cast<std::size_t>(std::find(tile.coverage.begin(), tile.coverage.end(), 1) - tile.coverage.begin());
+    tile.disparity[at] = value;
+    const auto refused = encode_tile(tile, {});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+    tile.disparity[at] = 0.1f;
+    tile.disparity_tolerance = value;
+    EXPECT_FALSE(encode_tile(tile, {}));
+  }
 }
 
 TEST(TileCodec, OnePlaneCostsAFewBytes) {
