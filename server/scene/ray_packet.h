@@ -11,7 +11,8 @@ inline constexpr int kPacketSize = 16;
 inline constexpr std::uint32_t kNoHit = 0xffffffffu;
 
 /// Layout [component][lane], 64-byte aligned. Scene frame, metres; directions need not be unit length: distances are
-/// ray parameters. A lane takes part when its bit in `active` is set and near <= far.
+/// ray parameters. A lane takes part when its bit in `active` is set and near <= far. A surface at distance 0, through
+/// the very origin, is not hit.
 struct alignas(64) RayPacket {
   float origin_x[kPacketSize], origin_y[kPacketSize], origin_z[kPacketSize];
   float near[kPacketSize];

@@ -3,8 +3,10 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <string>
@@ -71,7 +73,8 @@ void copy_rays(const RayPacket& rays, RTCRay16& out, int valid[kPacketSize]) {
   std::memcpy(out.org_x, rays.origin_x, sizeof out.org_x);
   std::memcpy(out.org_y, rays.origin_y, sizeof out.org_y);
   std::memcpy(out.org_z, rays.origin_z, sizeof out.org_z);
-  std::memcpy(out.tnear, rays.near, sizeof out.tnear);
+  // Embree takes hits at `near` itself: an eye exactly on a surface would see nothing but that, at distance 0, in all directions.
+  for (int lane = 0; lane < kPacketSize; ++lane) out.tnear[lane] = std::max(rays.near[lane], std::numeric_limits<float>::min());
   std::memcpy(out.dir_x, rays.direction_x, sizeof out.dir_x);
   std::memcpy(out.dir_y, rays.direction_y, sizeof out.dir_y);
   std::memcpy(out.dir_z, rays.direction_z, sizeof out.dir_z);

@@ -106,6 +106,23 @@ TEST(Intersect, FarLimitsTheRayAndNearStartsIt) {
   EXPECT_EQ(scene->occluded_coherent(rays), 0xfff1u);
 }
 
+TEST(Intersect, AnEyeOnASurfaceSeesPastIt) {
+  Model model = model_of(square());
+  model.instances.push_back({0, glm::translate(glm::dmat4(1), glm::dvec3(0, 0, 2))});
+  model.instances.push_back({0, glm::translate(glm::dmat4(1), glm::dvec3(0, 0, -3))});
+  const auto scene = build(std::move(model));
+  RayPacket rays = packet_from(glm::vec3(-scene->origin()) + glm::vec3(0.5f, 0.375f, 0));
+  for (int i = 0; i < kPacketSize; ++i) aim(rays, i, {0.01f * static_cast<float>(i), 0, i % 2 ? 1.0f : -1.0f});
+  HitPacket hits;
+  for (const bool is_scattered : {false, true}) {
+    is_scattered ? scene->intersect_scattered(rays, hits) : scene->intersect(rays, hits);
+    for (int i = 0; i < kPacketSize; ++i) EXPECT_FLOAT_EQ(hits.distance[i], i % 2 ? 2.0f : 3.0f) << "lane " << i;
+  }
+  for (int i = 0; i < kPacketSize; ++i) rays.far[i] = 1.5f;
+  EXPECT_EQ(scene->occluded(rays), 0u);
+  EXPECT_EQ(scene->occluded_coherent(rays), 0u);
+}
+
 TEST(Intersect, InstancesEqualTheirFlattenedCopies) {
   const Mesh mesh = random_triangles(1200, 3);
   glm::dmat4 mirrored = glm::translate(glm::dmat4(1), glm::dvec3(9, 0, 2));
