@@ -23,9 +23,13 @@ struct Reach {
 struct Span {
   int first, last;
   Span(float centre, float low, float high, int begin, int end) {
+    first = std::max(static_cast<int>(std::ceil(centre + within_reach(low))), begin);
+    last = std::min(static_cast<int>(std::floor(centre + within_reach(high))), end - 1);
+  }
+  /// Not a number, where slopes overflow, counts as the lower limit.
+  static float within_reach(float offset) {
     const float limit = static_cast<float>(kMaxReach);
-    first = std::max(static_cast<int>(std::ceil(centre + std::max(low, -limit))), begin);
-    last = std::min(static_cast<int>(std::floor(centre + std::min(high, limit))), end - 1);
+    return offset > -limit ? std::min(offset, limit) : -limit;
   }
 };
 
@@ -117,7 +121,7 @@ void sample_pixels_scalar(const ProjectedRow& row, const RowSamples& samples, in
     const std::uint32_t along_t = is_down ? samples.colour_down[i] : samples.colour_up[i];
     const auto weight = [](float distance) { return static_cast<int>(256.0f * std::min(std::abs(distance), 0.5f)); };
     out.offset[i] = line * width + column;
-    out.high[i] = key_high(std::max(disparity, 0.0f));
+    out.high[i] = key_high(disparity > 0 ? disparity : 0.0f);  // not a number: infinitely far
     out.low[i] = mix(own, along_s, along_t, weight(s), weight(t));
   }
 }

@@ -117,6 +117,37 @@ TEST(ProjectRow, VectorAndScalarAreBitIdenticalAndClipped) {
   EXPECT_GT(written, 1000);
 }
 
+// Steps and slopes whose products overflow: both kernels take what is not a number for the same.
+TEST(ProjectRow, VectorAndScalarAgreeWhereFloatsOverflow) {
+  const auto rows = std::make_unique<Rows>(2);
+  const PixelWindow window{200, 40, 120};
+  const auto vector = std::make_unique<ProjectedRow>(), scalar = std::make_unique<ProjectedRow>();
+  const auto vector_pixels = std::make_unique<SplatPixels>(), scalar_pixels = std::make_unique<SplatPixels>();
+  int overflown = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    RowProjection row = rows->next();
+    row.step_u[trial % 3] = 3e38f, row.step_v[trial / 3 % 3] = trial % 2 ? -3e38f : 1e30f;
+    project_row(row, window, rows->samples, *vector);
+    project_row_scalar(row, window, rows->samples, *scalar);
+    for (int i = 0; i < rows->samples.count; ++i) {
+      ASSERT_EQ(vector->bottom[i] >= vector->top[i], scalar->bottom[i] >= scalar->top[i]);
+      if (vector->bottom[i] < vector->top[i]) continue;
+      overflown += std::isnan(vector->s_x[i]);
+      ASSERT_EQ(vector->left[i], scalar->left[i]);
+      ASSERT_EQ(vector->right[i], scalar->right[i]);
+      ASSERT_EQ(vector->top[i], scalar->top[i]);
+      ASSERT_EQ(vector->bottom[i], scalar->bottom[i]);
+    }
+    sample_pixels(*vector, rows->samples, window.width, 0, 0, *vector_pixels);
+    sample_pixels_scalar(*scalar, rows->samples, window.width, 0, 0, *scalar_pixels);
+    for (int i = 0; i < rows->samples.count; ++i) {
+      ASSERT_EQ(vector_pixels->offset[i], scalar_pixels->offset[i]);
+      if (vector_pixels->offset[i] >= 0) { ASSERT_EQ(vector_pixels->high[i], scalar_pixels->high[i]); }
+    }
+  }
+  EXPECT_GT(overflown, 100);
+}
+
 TEST(WritePixels, FindsAllNonNegativeEntriesInOrder) {
   std::mt19937 random(3);
   alignas(64) std::array<std::int32_t, kRowPiece> values;
