@@ -8,6 +8,7 @@
 #include <fstream>
 #include <random>
 
+#include "client/session/wire_convert.h"
 #include "server/model/obj_reader.h"
 #include "server/scene/scene_frame.h"
 #include "tests/stability/stress.h"
@@ -117,6 +118,31 @@ StressRow text_of_a_file(int exponent) {
   return worst.row(fmt::format("an OBJ file's text at 10^{} m", exponent), "long double", "m", bound);
 }
 
+// A pose travels as a finest cell and a float offset from its centre, at most half a side: rounded by half a float's unit
+// there, and to double where centre and offset are added again. Also on borders of cells, and one double before them.
+StressRow positions_on_the_wire(const Effort& effort) {
+  std::mt19937 random(9);
+  WorstError worst;
+  for (int exponent = -10; exponent <= 3; ++exponent) {
+    const CellGrid grid{std::ldexp(1.0, exponent)};
+    const double reach = std::min(1e7, 0x1p28 * grid.finest_side_m);
+    std::uniform_real_distribution<double> place(-reach, reach);
+    for (int k = 0; k < (effort.is_full ? 100000 : 5000); ++k) {
+      glm::dvec3 point(place(random), place(random), place(random));
+      const unsigned kind = random() % 4;
+      for (int a = 0; a < 3; ++a) {
+        if (kind > 0) point[a] = std::floor(point[a] / grid.finest_side_m) * grid.finest_side_m;
+        if (kind > 1) point[a] = std::nextafter(point[a], kind == 2 ? -INFINITY : INFINITY);
+      }
+      const glm::dvec3 arrived = client::position_on_wire(grid, point);
+      for (int a = 0; a < 3; ++a)
+        worst.add(static_cast<double>(static_cast<long double>(arrived[a]) - static_cast<long double>(point[a])),
+                  half_float_ulp(0.49 * grid.finest_side_m) + 2 * half_double_ulp(point[a]));
+    }
+  }
+  return worst.in_parts_of_bound("positions on the wire, up to 10^7 m, cells of 2^-10 to 8 m", "what was sent");
+}
+
 }  // namespace
 
 Rows stress_shift(const Effort& effort) {
@@ -130,6 +156,7 @@ Rows stress_shift(const Effort& effort) {
                        .in_parts_of_bound(fmt::format("first hits in a room 10^{} + 1/3 m away", exponent), "long double"));
   }
   for (int exponent = 3; exponent <= 8; ++exponent) rows.push_back(text_of_a_file(exponent));
+  rows.push_back(positions_on_the_wire(effort));
   return rows;
 }
 
