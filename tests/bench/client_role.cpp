@@ -38,14 +38,18 @@ class Walker {
   Walker(const ClientRole& role, const Trace& trace, ClientCore& core, FrameRenderer& renderer, const client::SceneDescription& scene)
       : role_(role), trace_(trace), core_(core), renderer_(renderer), scene_(scene) {}
 
-  // Every frame waits for its complete leaf set; each is drawn twice and the second drawing counts, so that first uses
+  // Every frame waits for its complete leaf set, and so does every leaf on the way from one to the next: what is received is
+  // what the whole walk needs, however few of its frames are looked at. Each is drawn twice and the second drawing counts, so that first uses
   // of shaders and buffers (paid once, not per frame) stay out of the figure.
   Result<Walk> lockstep() {
     Walk walk;
     const Result<Trace> sampled = resampled(trace_, std::min(role_.frames, trace_.frames.size()));
     if (!sampled) return tl::unexpected(sampled.error());
     const Clock::time_point start = Clock::now();
+    std::size_t next = 0;  // frame of the trace
     for (std::size_t k = 0; k < sampled->frames.size(); ++k) {
+      for (; k > 0 && next < trace_.frames.size() && trace_.frames[next].time_s < sampled->frames[k].time_s; ++next)
+        if (Status status = walk_through(trace_.frames[next].pose, start); !status) return tl::unexpected(status.error());
       const Pose eye = scene_.scene_from_world(sampled->frames[k].pose);
       core_.set_pose(eye, seconds_since(start));
       const auto view = core_.wait_complete(eye.position, std::chrono::minutes(5));
@@ -57,6 +61,7 @@ class Walker {
       const client::FrameReport report = renderer_.render(*view, eye, frame);
       std::cout << kGoOn << std::endl;
       core_.count_frame(view->get(), eye.position);
+      shown_ = *view;
       record(walk, report, frame);
       if (Status status = write_frame(frame_path(role_.folder, k), sampled->frames[k].pose, frame); !status) return tl::unexpected(status.error());
     }
@@ -102,6 +107,16 @@ class Walker {
   }
 
  private:
+  // Waits for the leaf set there, if that is not the last one.
+  Status walk_through(const Pose& pose, Clock::time_point start) {
+    const Pose eye = scene_.scene_from_world(pose);
+    if (shown_ && shown_->speaks_for(eye.position)) return {};
+    core_.set_pose(eye, seconds_since(start));
+    const auto view = core_.wait_complete(eye.position, std::chrono::minutes(5));
+    if (!view) return tl::unexpected(view.error());
+    shown_ = *view;
+    return {};
+  }
   /// The server begins nothing more; what was on its way is given the time of a few frames to arrive and be decoded.
   void wait_for_quiet() {
     std::cout << kQuiet << std::endl;
@@ -124,6 +139,7 @@ class Walker {
   ClientCore& core_;
   FrameRenderer& renderer_;
   const client::SceneDescription& scene_;
+  std::shared_ptr<const client::LeafView> shown_;
 };
 
 // The high-water mark of this program alone: getrusage() would also count what the parent held before the exec.
