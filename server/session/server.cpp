@@ -10,6 +10,8 @@
 #include <asio/strand.hpp>
 #include <asio/use_awaitable.hpp>
 #include <condition_variable>
+#include <future>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <unordered_map>
@@ -122,11 +124,15 @@ std::vector<std::shared_ptr<Session>> Server::State::open_sessions() {
   return open;
 }
 
+// Returns when nobody can connect any more. Not from a network thread: it waits for one.
 void Server::State::stop_listening() {
-  asio::post(acceptor->get_executor(), [this] {
+  const auto closed = std::make_shared<std::promise<void>>();
+  asio::post(acceptor->get_executor(), [this, closed] {
     asio::error_code ignored;
     acceptor->close(ignored);
+    closed->set_value();
   });
+  closed->get_future().wait();
 }
 
 Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
