@@ -13,7 +13,7 @@ class StressTest : public testing::TestWithParam<Stress> {};
 
 TEST_P(StressTest, Holds) {
   const Rows rows = GetParam().run(Effort{});
-  if (rows.empty()) GTEST_SKIP() << "nothing of the kind on this machine";
+  ASSERT_FALSE(rows.empty());
   for (const StressRow& row : rows)
     EXPECT_TRUE(row.holds()) << row.input << " against " << row.reference << ": " << row.worst << " " << row.unit << ", at most "
                              << row.bound << " (" << row.cases << " cases)";

@@ -72,7 +72,9 @@ TEST_F(MeshPanelTest, DamageGivesAnErrorOrAPicture) {
   for (std::size_t k = 0; k < whole.mesh.size(); k += 7) {
     EncodedPanel bad = whole;
     bad.mesh[k] ^= 0x55;
-    (void)decode_panel(panel.frame, panel.face, bad, encoding);
+    if (const auto shown = decode_panel(panel.frame, panel.face, bad, encoding)) {
+      for (const std::uint32_t index : shown->mesh.indices) ASSERT_LT(index, shown->mesh.vertices.size());
+    }
     bad.mesh.resize(k);
     EXPECT_FALSE(k > 0 && decode_panel(panel.frame, panel.face, bad, encoding));
   }
