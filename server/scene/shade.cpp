@@ -4,6 +4,7 @@
 // The lanes of a packet mostly share a few triangles, so the lanes are taken triangle by triangle.
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "common/shading/shading.h"
 #include "server/scene/scene_state.h"
@@ -47,15 +48,21 @@ float relative_footprint(const RayPacket& rays, const HitPacket& hits, int lane,
   return width * width * length2 / (std::max(cosine, kLeastCosine) * doubled_area);
 }
 
-// A triangle's plane in barycentric terms: from a step on the plane to the change of (u, v).
+// A triangle's plane in barycentric terms: from a step on the plane to the change of (u, v). In double: the square of a small
+// triangle's doubled area is not a float.
 struct BarycentricStep {
-  glm::vec3 per_u, per_v, normal;
-  BarycentricStep(const glm::vec3& edge_u, const glm::vec3& edge_v) : normal(glm::cross(edge_u, edge_v)) {
-    const float scale = 1.0f / glm::dot(normal, normal);
-    per_u = glm::cross(edge_v, normal) * scale;
-    per_v = glm::cross(normal, edge_u) * scale;
+  glm::dvec3 per_u, per_v, normal;
+  BarycentricStep(const glm::vec3& edge_u, const glm::vec3& edge_v) : normal(glm::cross(glm::dvec3(edge_u), glm::dvec3(edge_v))) {
+    const double scale = 1.0 / glm::dot(normal, normal);
+    per_u = glm::cross(glm::dvec3(edge_v), normal) * scale;
+    per_v = glm::cross(normal, glm::dvec3(edge_u)) * scale;
   }
-  glm::vec2 of(const glm::vec3& step) const { return {glm::dot(per_u, step), glm::dot(per_v, step)}; }
+  // Zero where the step leads more than four triangles away, or the triangle is none: a texture need not go on there as it
+  // does here.
+  glm::vec2 of(const glm::dvec3& step) const {
+    const glm::dvec2 change{glm::dot(per_u, step), glm::dot(per_v, step)};
+    return std::abs(change.x) <= 4 && std::abs(change.y) <= 4 ? glm::vec2(change) : glm::vec2(0);
+  }
 };
 
 }  // namespace
@@ -64,11 +71,24 @@ struct Scene::FineLookups {
   glm::vec3 across, down;
 
   // Where on the plane a ray turned by `turn` meets it, less where `direction` does, at parameter `distance`.
-  static glm::vec3 step(const BarycentricStep& plane, const glm::vec3& direction, float distance, const glm::vec3& turn) {
-    const float facing = glm::dot(plane.normal, direction), turned = glm::dot(plane.normal, direction + turn);
+  static glm::dvec3 step(const BarycentricStep& plane, const glm::dvec3& direction, double distance, const glm::dvec3& turn) {
+    const double facing = glm::dot(plane.normal, direction), turned = glm::dot(plane.normal, direction + turn);
     // Near the horizon of a plane the footprint has no end: four times as far at most.
-    const float ratio = turned * facing > 0 ? std::min(facing / turned, 4.0f) : 4.0f;
+    const double ratio = turned * facing > 0 ? std::min(facing / turned, 4.0) : 4.0;
     return distance * (ratio * (direction + turn) - direction);
+  }
+
+  // The mean of the four look-ups around (u, v); look_up(u, v).
+  template <class LookUp>
+  glm::vec3 mean(const BarycentricStep& plane, const RayPacket& rays, const HitPacket& hits, int lane, LookUp look_up) const {
+    const glm::dvec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
+    glm::vec3 sum(0);
+    for (int k = 0; k < 4; ++k) {
+      const glm::dvec3 turn((k & 1 ? 0.5f : -0.5f) * across + (k & 2 ? 0.5f : -0.5f) * down);
+      const glm::vec2 change = plane.of(step(plane, direction, hits.distance[lane], turn));
+      sum += look_up(hits.u[lane] + change.x, hits.v[lane] + change.y);
+    }
+    return 0.25f * sum;
   }
 };
 
@@ -119,23 +139,13 @@ void Scene::shade(const RayPacket& rays, const HitPacket& hits, float pixel_angl
       const glm::vec3 in_mesh = mesh.positions[index[k]] - mesh.positions[index[0]];
       return part < state.flattened_parts ? in_mesh : glm::mat3(state.parts[part].scene_from_mesh) * in_mesh;
     };
-    const BarycentricStep plane(edge(1), edge(2));
+    const std::optional<BarycentricStep> plane = fine ? std::optional<BarycentricStep>({edge(1), edge(2)}) : std::nullopt;
     for (; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
       const float u = hits.u[lane], v = hits.v[lane];
       const float mip = mip_level(relative_footprint(rays, hits, lane, pixel_angle) * texels);
-      glm::vec3 texel(0);
-      if (fine) {
-        const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
-        for (int k = 0; k < 4; ++k) {
-          const glm::vec3 turn = (k & 1 ? 0.5f : -0.5f) * fine->across + (k & 2 ? 0.5f : -0.5f) * fine->down;
-          const glm::vec2 at = glm::vec2(u, v) + plane.of(FineLookups::step(plane, direction, hits.distance[lane], turn));
-          texel += 0.25f * state.textures.sample(texture, uv.at(at.x, at.y), mip);
-        }
-      } else {
-        texel = state.textures.sample(texture, uv.at(u, v), mip);
-      }
-      const glm::vec3 value = radiance.at(u, v) * texel;
+      const auto look_up = [&](float at_u, float at_v) { return state.textures.sample(texture, uv.at(at_u, at_v), mip); };
+      const glm::vec3 value = radiance.at(u, v) * (plane ? fine->mean(*plane, rays, hits, lane, look_up) : look_up(u, v));
       for (int c = 0; c < 3; ++c) rgb[3 * lane + c] = value[c];
     }
   }

@@ -138,6 +138,29 @@ TEST(Shade, SeveralLookupsComeCloserToATextureAtASlant) {
   EXPECT_LT(error_of_shading(true, 2), 0.7 * error_of_shading(false, 2));
 }
 
+TEST(Shade, SeveralLookupsOnASplinterOfATriangleStayOnItsTexture) {
+  // A millionth of a metre high, on a texture that is white there and black everywhere else: a step of a look-up would lead
+  // thousands of triangles away.
+  Mesh mesh;
+  add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0.5f, 1.0f / (1 << 20), 0});
+  mesh.uvs = {{0.05f, 0.05f}, {0.2f, 0.05f}, {0.05f, 0.2f}};
+  Model model = model_of(mesh);
+  TextureImage image{64, 64, {}, "corner"};
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) image.rgba.insert(image.rgba.end(), 3, x < 16 && y < 16 ? 255 : 0), image.rgba.push_back(255);
+  model.textures.push_back(std::move(image));
+  model.materials[0].texture = 0;
+  const auto scene = build(std::move(model));
+  RayPacket rays = packet_from({0.5f, 0.25f / (1 << 20), 1});
+  for (int i = 0; i < kPacketSize; ++i) aim(rays, i, {0, 0, -1});
+  HitPacket hits;
+  scene->intersect(rays, hits);
+  ASSERT_NE(hits.part[0], kNoHit);
+  float rgb[3 * kPacketSize] = {};
+  scene->shade_finely(rays, hits, 1e-6f, {0.01f, 0, 0}, {0, 0.01f, 0}, rgb);
+  EXPECT_NEAR(rgb[0], vertex_light({0, 0, 1}), 0.02f);
+}
+
 TEST(Shade, SeveralLookupsChangeNothingWhereThereIsNoTexture) {
   const auto scene = build(model_of(square()));
   RayPacket rays = packet_from({0.4f, 0.3f, 1});
