@@ -59,8 +59,7 @@ Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWor
     tile = cast_dense_tile(*scene_, space, positions[0], id, settings_.edge_samples(), gain, tolerance, visible.get(), work);
     hidden_samples_ += tile.samples() - work.rays;
   }
-  const auto held = static_cast<std::size_t>(std::count(tile.coverage.begin(), tile.coverage.end(), 1));
-  coloured_once_ += held - std::min(held, work.samples_refined);
+  coloured_once_ += work.samples_coloured_once;
   tile.certificate = {static_cast<float>((*views)->void_worst_sr), static_cast<float>((*views)->void_mean_sr), -1.0f,
                       static_cast<float>(settings_.tau_px)};
   return tile;

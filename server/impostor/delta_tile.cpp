@@ -284,7 +284,7 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   skips.blocks_cast += blocks.size();
   work.rays += region.patches * kPacketSize;
   const std::vector<std::uint8_t> kept = region.with_border();
-  work.samples_refined += shade_uneven(scene, frame, region.uneven, region.arrays);
+  shade_uneven(scene, frame, region.uneven, kept, region.arrays);
 
   std::vector<glm::ivec2> full;
   for (const glm::ivec2& block : blocks) {
@@ -317,14 +317,14 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
       arrays.covered[to] = region.arrays.covered[from];
       arrays.disparity[to] = region.arrays.disparity[from];
       arrays.gradient_i[to] = region.arrays.gradient_i[from], arrays.gradient_j[to] = region.arrays.gradient_j[from];
-      arrays.part[to] = region.arrays.part[from];
+      arrays.part[to] = region.arrays.part[from], arrays.refined[to] = region.arrays.refined[from];
       for (int c = 0; c < 3; ++c) arrays.rgb[3 * std::size_t(to) + c] = region.arrays.rgb[3 * std::size_t(from) + c];
     }
   const ConnectionLimits limits = connection_limits(frame, warp_gain);
   const TileNeighbours neighbours(tile);
   find_cuts(scene, space, frame, arrays, limits, neighbours, sample_i, sample_j, tile);
-  work.samples_refined +=
-      supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, arrays);
+  supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, arrays);
+  work.count_colours(tile, arrays);
   tile.disparity = std::move(arrays.disparity);
   tile.rgb = std::move(arrays.rgb);
   return tile;

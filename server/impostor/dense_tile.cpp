@@ -40,7 +40,7 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
   work.intra_seconds += thread_seconds() - start;
   work.rays += static_cast<std::size_t>(std::count(samples.known.begin(), samples.known.end(), 1));
 
-  work.samples_refined += shade_uneven(scene, frame, uneven, samples);
+  shade_uneven(scene, frame, uneven, samples.covered, samples);
 
   tile.coverage = samples.covered;
   if (std::find(tile.coverage.begin(), tile.coverage.end(), 1) == tile.coverage.end()) return tile;
@@ -52,7 +52,8 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
   const ConnectionLimits limits = connection_limits(frame, warp_gain);
   const TileNeighbours neighbours(tile);
   find_cuts(scene, space, frame, samples, limits, neighbours, sample_i, sample_j, tile);
-  work.samples_refined += supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, samples);
+  supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, samples);
+  work.count_colours(tile, samples);
   tile.disparity = std::move(samples.disparity);
   tile.rgb = std::move(samples.rgb);
   return tile;

@@ -10,7 +10,13 @@ namespace farfield {
 struct TileWork {
   double intra_seconds = 0;       // thread time of casting and shading one ray per sample
   std::size_t rays = 0;
-  std::size_t samples_refined = 0;  // coloured from several look-ups or rays; the others gain nothing by them
+  std::size_t samples_refined = 0;  // covered, coloured from several look-ups or rays …
+  std::size_t samples_coloured_once = 0;  // … and those that look like their neighbours or are smoothed by their texture's filter
+
+  void count_colours(const Tile& tile, const SampleArrays& samples) {
+    for (std::size_t at = 0; at < tile.samples(); ++at)
+      if (tile.coverage[at]) ++(samples.refined[at] ? samples_refined : samples_coloured_once);
+  }
 };
 
 /// Returns: the tile without certificate; covered nowhere if the shell holds nothing there.

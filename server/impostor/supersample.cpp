@@ -27,11 +27,10 @@ class Supersampler {
       : scene_(scene), space_(space), frame_(frame), limits_(limits), neighbours_(neighbours), sample_i_(sample_i),
         sample_j_(sample_j), tile_(tile), samples_(samples), is_queued_(tile.samples(), 0), rgb_(samples.rgb) {}
 
-  std::size_t run() {
+  void run() {
     std::vector<int> wanted = disagreeing();
-    std::size_t refined = 0;
     while (!wanted.empty()) {
-      refined += wanted.size();
+      for (const int at : wanted) samples_.refined[at] = 1;
       // In packets of neighbours; the order among equals does not change what a sample gets.
       std::sort(wanted.begin(), wanted.end(), [&](int a, int b) { return std::pair(square_of(a), a) < std::pair(square_of(b), b); });
       next_.clear();
@@ -40,7 +39,6 @@ class Supersampler {
       wanted.swap(next_);
     }
     samples_.rgb.swap(rgb_);
-    return refined;
   }
 
  private:
@@ -157,11 +155,11 @@ class Supersampler {
 
 }  // namespace
 
-std::size_t supersample_colours(const Scene& scene, const CellSpace& space, const ViewFrame& frame,
-                                const ConnectionLimits& limits, const TileNeighbours& neighbours,
-                                const std::vector<int>& sample_i, const std::vector<int>& sample_j, const Tile& tile,
-                                SampleArrays& samples) {
-  return Supersampler(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, samples).run();
+void supersample_colours(const Scene& scene, const CellSpace& space, const ViewFrame& frame,
+                         const ConnectionLimits& limits, const TileNeighbours& neighbours,
+                         const std::vector<int>& sample_i, const std::vector<int>& sample_j, const Tile& tile,
+                         SampleArrays& samples) {
+  Supersampler(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, samples).run();
 }
 
 }  // namespace farfield

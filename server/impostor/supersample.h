@@ -11,10 +11,10 @@ namespace farfield {
 /// opposite sides, of those that differ from a connected neighbour where no texture filter smoothed them, and then of
 /// neighbours of those whose own rays meet something nearer or of another colour: a thin thing is followed wherever it goes.
 /// What lies beyond a cut is left to the sample on its other side. The other samples would look the same.
-/// Requires: find_cuts() was run on `tile`. Returns: how many samples it recoloured, at four rays each.
-std::size_t supersample_colours(const Scene& scene, const CellSpace& space, const ViewFrame& frame,
-                                const ConnectionLimits& limits, const TileNeighbours& neighbours,
-                                const std::vector<int>& sample_i, const std::vector<int>& sample_j, const Tile& tile,
-                                SampleArrays& samples);
+/// Requires: find_cuts() was run on `tile`. Sets samples.refined.
+void supersample_colours(const Scene& scene, const CellSpace& space, const ViewFrame& frame,
+                         const ConnectionLimits& limits, const TileNeighbours& neighbours,
+                         const std::vector<int>& sample_i, const std::vector<int>& sample_j, const Tile& tile,
+                         SampleArrays& samples);
 
 }  // namespace farfield

@@ -68,29 +68,30 @@ void cast_samples(const Scene& scene, const CellSpace& space, const ViewFrame& f
   }
   if (!is_uneven(scene, rays, hits, index, out)) return;
   uneven.push_back({rays, hits, sample_angle, {}});
-  UnevenPacket& packet = uneven.back();
-  for (int lane = 0; lane < kPacketSize; ++lane) {
-    const bool is_wanted = index[lane] >= 0 && is_textured_at_a_slant(scene, rays, hits, lane);
-    packet.index[lane] = is_wanted ? index[lane] : -1;
-    if (!is_wanted) packet.hits.part[lane] = kNoHit;
-  }
+  for (int lane = 0; lane < kPacketSize; ++lane)
+    uneven.back().index[lane] = index[lane] >= 0 && is_textured_at_a_slant(scene, rays, hits, lane) ? index[lane] : -1;
 }
 
-std::size_t shade_uneven(const Scene& scene, const ViewFrame& frame, const std::vector<UnevenPacket>& uneven, SampleArrays& out) {
+void shade_uneven(const Scene& scene, const ViewFrame& frame, const std::vector<UnevenPacket>& uneven, const std::vector<std::uint8_t>& kept,
+                  SampleArrays& out) {
   const float apart = static_cast<float>(0.5 * frame.pitch);
   const glm::vec3 origin = frame.face.direction(0.0f, 0.0f);
   const glm::vec3 across = frame.face.direction(apart, 0.0f) - origin, down = frame.face.direction(0.0f, apart) - origin;
-  std::size_t count = 0;
   for (const UnevenPacket& packet : uneven) {
+    RayPacket rays = packet.rays;
+    rays.active = 0;
+    for (int lane = 0; lane < kPacketSize; ++lane)
+      if (packet.index[lane] >= 0 && kept[static_cast<std::size_t>(packet.index[lane])]) rays.active |= 1u << lane;
+    if (rays.active == 0) continue;
     float rgb[3 * kPacketSize];
-    scene.shade_finely(packet.rays, packet.hits, packet.sample_angle, across, down, rgb);
+    scene.shade_finely(rays, packet.hits, packet.sample_angle, across, down, rgb);
     for (int lane = 0; lane < kPacketSize; ++lane) {
-      if (packet.index[lane] < 0) continue;
-      for (int c = 0; c < 3; ++c) out.rgb[3 * static_cast<std::size_t>(packet.index[lane]) + c] = linear_to_srgb(rgb[3 * lane + c]);
-      ++count;
+      if (!(rays.active >> lane & 1)) continue;
+      const auto at = static_cast<std::size_t>(packet.index[lane]);
+      for (int c = 0; c < 3; ++c) out.rgb[3 * at + c] = linear_to_srgb(rgb[3 * lane + c]);
+      out.refined[at] = 1;
     }
   }
-  return count;
 }
 
 }  // namespace farfield

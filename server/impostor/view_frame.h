@@ -45,9 +45,10 @@ struct SampleArrays {
   std::vector<float> gradient_j;    // … and downwards
   std::vector<std::uint8_t> rgb;    // sRGB
   std::vector<std::uint32_t> part;  // of the scene; kNoHit where nothing is covered
+  std::vector<std::uint8_t> refined;  // coloured from several look-ups or rays
 
   explicit SampleArrays(std::size_t size = 0)
-      : known(size, 0), covered(size, 0), disparity(size, 0.0f), gradient_i(size, 0.0f), gradient_j(size, 0.0f), rgb(3 * size, 0), part(size, kNoHit) {}
+      : known(size, 0), covered(size, 0), disparity(size, 0.0f), gradient_i(size, 0.0f), gradient_j(size, 0.0f), rgb(3 * size, 0), part(size, kNoHit), refined(size, 0) {}
 };
 
 /// Disparity and its gradient where lane `lane` hit. A plane n·P = c is d = side·(n·D)/c at direction D, linear in D.
@@ -79,7 +80,8 @@ struct UnevenPacket {
 void cast_samples(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const int* i, const int* j,
                   const int* index, SampleArrays& out, std::vector<UnevenPacket>& uneven);
 
-/// Shades the samples of `uneven` again, from 2×2 look-ups each. Returns how many.
-std::size_t shade_uneven(const Scene& scene, const ViewFrame& frame, const std::vector<UnevenPacket>& uneven, SampleArrays& out);
+/// Shades those samples of `uneven` again that will be `kept`, from 2×2 look-ups each.
+void shade_uneven(const Scene& scene, const ViewFrame& frame, const std::vector<UnevenPacket>& uneven, const std::vector<std::uint8_t>& kept,
+                  SampleArrays& out);
 
 }  // namespace farfield

@@ -38,7 +38,7 @@ FarFace cast_far_face(const Scene& scene, const CellSpace& space, const glm::dve
       }
       cast_samples(scene, space, result.frame, i, j, index, samples, uneven);
     }
-    shade_uneven(scene, result.frame, uneven, samples);
+    shade_uneven(scene, result.frame, uneven, samples.covered, samples);
   });
   result.covered = std::move(samples.covered);
   result.disparity = std::move(samples.disparity);
