@@ -90,6 +90,23 @@ bool sees_first(const Edge& edge, const SampleArrays& s, float at, bool hit, flo
   return Ends(edge, s, at).is_first_closer_to(disparity);
 }
 
+// A strip between two surfaces that opens to no more samples than this at the cell's worst viewpoint is bridged. Wider ones
+// are left to another view, which may hold them as they are.
+constexpr float kWidestBridge = 4.0f;
+
+// Whether what a ray met `at` of the way is a surface that both ends border on, a sill or a step seen so obliquely that no
+// sample meets it: its plane cuts the first's before, and the second's after. `gradient` of that plane along the edge.
+// Requires: both are covered.
+bool bridges(const Edge& edge, const SampleArrays& s, float disparity, float gradient, float at, const ConnectionLimits& limits) {
+  const std::vector<float>& gradients = edge.is_down ? s.gradient_j : s.gradient_i;
+  const float first = s.disparity[edge.first], second = s.disparity[edge.second];
+  if (std::abs(first - second) > kWidestBridge * limits.one_sample) return false;
+  const float at_start = disparity - gradient * at, second_at_start = second - gradients[edge.second];
+  const float begins = (first - at_start) / (gradient - gradients[edge.first]);
+  const float ends = (second_at_start - at_start) / (gradient - gradients[edge.second]);
+  return begins >= 0 && begins <= at && ends >= at && ends <= 1;  // false for planes that do not meet: not a number, or infinite
+}
+
 // How much further a surface is drawn where it runs on beyond the shell's border, in eighths of a sample: outlines are
 // placed to half an eighth and simplified by up to kOutlineSamples, and nothing may show between two shells.
 constexpr int kBorderOverlap = 2;
@@ -107,14 +124,16 @@ bool crosses_border(const RayClip& shell, const ViewFrame& frame, const SampleAr
   return !shell.outside.contains(point) || (!shell.inside.is_empty() && shell.inside.contains(point));
 }
 
-// Three rays per edge halve the interval three times: the eighth in which the first surface ends.
+// Three rays per edge halve the interval three times: the eighth in which the first surface ends. Where one of them meets
+// a bridge, the edge stays connected.
 void bisect(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const SampleArrays& samples,
-            const std::vector<Edge>& edges, const std::vector<int>& sample_i, const std::vector<int>& sample_j, Tile& tile) {
+            const ConnectionLimits& limits, const std::vector<Edge>& edges, const std::vector<int>& sample_i, const std::vector<int>& sample_j, Tile& tile) {
   RayPacket rays;
   HitPacket hits;
   for (std::size_t base = 0; base < edges.size(); base += kPacketSize) {
     const int count = static_cast<int>(std::min<std::size_t>(kPacketSize, edges.size() - base));
     int low[kPacketSize] = {};
+    bool is_bridged[kPacketSize] = {};
     for (int step = 4; step >= 1; step /= 2) {
       rays.active = count == kPacketSize ? 0xffffu : (1u << count) - 1;
       for (int lane = 0; lane < count; ++lane) {
@@ -133,10 +152,16 @@ void bisect(const Scene& scene, const CellSpace& space, const ViewFrame& frame, 
         const bool hit = hits.part[lane] != kNoHit;
         const float disparity = hit ? static_cast<float>(frame.side_m / hits.distance[lane]) : 0.0f;
         const float at = static_cast<float>(low[lane] + step) / 8.0f;
-        if (sees_first(edges[base + lane], samples, at, hit, disparity)) low[lane] += step;
+        const Edge& edge = edges[base + lane];
+        if (hit && samples.covered[edge.first] && samples.covered[edge.second]) {
+          const SurfacePlane plane = plane_at(frame, rays, hits, lane);
+          is_bridged[lane] |= bridges(edge, samples, disparity, edge.is_down ? plane.gradient_j : plane.gradient_i, at, limits);
+        }
+        if (sees_first(edge, samples, at, hit, disparity)) low[lane] += step;
       }
     }
     for (int lane = 0; lane < count; ++lane) {
+      if (is_bridged[lane]) continue;
       const Edge& edge = edges[base + lane];
       int cut = low[lane] + 1;
       const auto crosses = [&](bool is_first, int eighth) {
@@ -201,7 +226,7 @@ void find_cuts(const Scene& scene, const CellSpace& space, const ViewFrame& fram
   }
   // In packets of neighbours: rays row by row would be 16 samples apart.
   std::stable_sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return a.square < b.square; });
-  bisect(scene, space, frame, samples, edges, sample_i, sample_j, tile);
+  bisect(scene, space, frame, samples, limits, edges, sample_i, sample_j, tile);
 }
 
 }  // namespace farfield

@@ -99,6 +99,30 @@ TEST(Connectivity, CutsLieWithinAnEighthOfASampleOfTheEdge) {
   EXPECT_NEAR(static_cast<double>(cuts_right), 2 * rows, 6);
 }
 
+// Connections down the column through the middle of a sill's front, over its edge and up the wall behind it, that are cut. The
+// eye looks from `height` above the sill's top, which is less than half a sample high there.
+int cuts_across_a_sill(double front, double wall, double height, bool has_top) {
+  Blocks blocks;
+  blocks.quad({wall, -40, -40}, {0, 0, 80}, {0, 80, 0}, {150, 150, 150, 255});
+  blocks.quad({front, -1, -1}, {0, 0, 1 - height}, {0, 2, 0}, {90, 90, 90, 255});
+  if (has_top) blocks.quad({front, -1, -height}, {wall - front, 0, 0}, {0, 2, 0}, {90, 90, 90, 255});
+  const PlacedScene placed = blocks.build();
+  const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
+  TileWork work;
+  const Tile tile = cast_dense_tile(*placed.scene, space, placed.at(glm::dvec3(0)), {{}, kIntraView, 0, 1, 1}, face_samples(3), kWarpGain, 1e-4, nullptr, work);
+  int cuts = 0;
+  // Face +X: v, and so the rows, along z: from below the edge to above it.
+  const int middle = kTileSamples / 2, edge = static_cast<int>(sample_index(face_samples(3), -height / front)) - kTileStride;
+  for (int row = edge - 3; row <= edge + 3; ++row) cuts += tile.cut_down[static_cast<std::size_t>(row) * kTileSamples + middle] != kConnected;
+  return cuts;
+}
+
+TEST(Connectivity, ASillTooThinForASampleIsBridged) {
+  EXPECT_EQ(cuts_across_a_sill(3.2, 3.3, 0.2, true), 0);
+  EXPECT_EQ(cuts_across_a_sill(3.2, 3.3, 0.2, false), 1) << "nothing there: seen from above, a gap";
+  EXPECT_EQ(cuts_across_a_sill(3.2, 3.6, 0.05, true), 1) << "so deep that it opens to more than four samples";
+}
+
 // A ceiling that runs through the whole shell: where it comes in and where it leaves is known exactly.
 TEST(Connectivity, SurfacesGoOnBeyondTheBordersOfTheShell) {
   const double height = 0.7;  // within this tile at both borders
