@@ -4,120 +4,15 @@
 #include <algorithm>
 #include <cstring>
 
-#include "server/impostor/held_points.h"
 #include "server/impostor/supersample.h"
+#include "server/impostor/void_finder.h"
 
 namespace farfield {
 namespace {
 
-// Surfaces that an earlier view holds so obliquely that its samples stretch over more than this many of this view's count
-// as void. At two, up to a twentieth more bytes gain a few hundredths of a decibel.
-constexpr double kLargestStretch = 3.0;
-
 // Blocks that miss fewer of their 64 samples are left out: what shows between leaves. At three, a hundredth of the bytes
 // costs a street with trees a fifteenth more void.
 constexpr std::size_t kFewestNeeded = 2;
-
-// A block is cast in patches of a packet each, where a probe finds a void or one reaches on from the next patch: what is
-// missing runs along the rims of nearer things, through a third of a block's samples.
-constexpr int kPatchSamples = 4;
-constexpr int kBlockPatches = kBlockSamples / kPatchSamples;
-static_assert(kPatchSamples * kPatchSamples == kPacketSize);
-
-// What a ray of this view hit, until an earlier view is found to hold it.
-struct OpenSample {
-  glm::dvec3 point, normal;  // scene frame; the normal of any length
-  int index;
-};
-
-class DeltaCaster {
- public:
-  DeltaCaster(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
-              const ViewFrame& frame, const ImpostorSettings& settings, const VisibleBlocks* visible, double slack)
-      : scene_(scene), space_(space), views_(views), id_(id), frame_(frame), visible_(visible),
-        intra_stretch_(kLargestStretch * settings.edge_samples() / frame.edge_samples), slack_(slack) {
-    const int blocks = (frame.edge_samples + kBlockSamples - 1) / kBlockSamples;
-    columns_ = std::min(kRegionBlocks, blocks - id.x * kRegionBlocks);
-    rows_ = std::min(kRegionBlocks, blocks - id.y * kRegionBlocks);
-  }
-
-  int columns() const { return columns_; }  // of blocks; regions at a face's end have fewer
-  int rows() const { return rows_; }
-  int face_block_x(int x) const { return id_.x * kRegionBlocks + x; }
-  int face_block_y(int y) const { return id_.y * kRegionBlocks + y; }
-  /// Whether block (x, y) of the region, or of the ring of blocks around it, is on the face and visible to somebody.
-  bool is_visible(int x, int y) const {
-    const int fx = face_block_x(x), fy = face_block_y(y), blocks = (frame_.edge_samples + kBlockSamples - 1) / kBlockSamples;
-    if (x < -1 || y < -1 || x > columns_ || y > rows_ || fx < 0 || fy < 0 || fx >= blocks || fy >= blocks) return false;
-    return !visible_ || visible_->contains(id_.face, fx * kBlockSamples, fy * kBlockSamples);
-  }
-
-  // Patches whose one ray meets a void; four blocks a packet. The ring of blocks around the region is probed with it: a
-  // void that reaches across the border counts for the patch inside.
-  std::vector<glm::ivec2> find_voids() const {
-    const int stride = (columns_ + 2) * kBlockPatches;
-    std::vector<OpenSample> open;
-    for (int y = -1; y <= rows_; y += 2)
-      for (int x = -1; x <= columns_; x += 2) {
-        RayPacket rays;
-        HitPacket hits;
-        rays.active = 0;
-        const auto block_of = [&](int lane) { return glm::ivec2(x + lane / 4 % 2, y + lane / 8); };
-        for (int lane = 0; lane < kPacketSize; ++lane) {
-          const glm::ivec2 block = block_of(lane);
-          if (!is_visible(block.x, block.y)) continue;
-          rays.active |= 1u << lane;
-          // One in each patch, off the grid's diagonals, so that lines along the axes are met by each of the four.
-          constexpr double kPlaces[4][2] = {{1.0, 2.5}, {4.5, 1.0}, {2.5, 6.0}, {6.0, 4.5}};
-          const double i = face_block_x(block.x) * kBlockSamples + kPlaces[lane % 4][0];
-          const double j = face_block_y(block.y) * kBlockSamples + kPlaces[lane % 4][1];
-          set_ray(rays, lane, frame_.position, frame_.direction(i, j), space_.shell);
-        }
-        if (!rays.active) continue;
-        scene_.intersect(rays, hits);
-        for (int lane = 0; lane < kPacketSize; ++lane) {
-          if (!(rays.active >> lane & 1) || hits.part[lane] == kNoHit) continue;
-          const glm::ivec2 patch = (block_of(lane) + 1) * kBlockPatches + glm::ivec2(lane % 2, lane / 2 % 2);
-          open.push_back({hit_point(rays, hits, lane), {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]},
-                          patch.y * stride + patch.x});
-        }
-      }
-    drop_held_by_earlier(open);
-    std::vector<glm::ivec2> patches;
-    const glm::ivec2 last = glm::ivec2(columns_, rows_) * kBlockPatches - 1;
-    for (const OpenSample& sample : open)
-      patches.push_back(glm::clamp(glm::ivec2(sample.index % stride, sample.index / stride) - kBlockPatches, glm::ivec2(0), last));
-    return patches;
-  }
-
-  // What is left no earlier view holds.
-  void drop_held_by_earlier(std::vector<OpenSample>& open) const {
-    for (int view = 0; view < id_.view && !open.empty(); ++view)
-      drop_held(
-          scene_, space_, slack_, PointSpacing::kDense, views_[view], open,
-          [&](const OpenSample& sample) { return stretches(sample.point, sample.normal, view); }, [](const OpenSample&) {});
-  }
-
- private:
-  // Sample density of a view on a surface element goes with cos/r² per solid angle: its root ratio of densities along
-  // the direction of steepest slant is (cos/r) of one view against (cos/r) of the other.
-  bool stretches(const glm::dvec3& point, const glm::dvec3& normal, int earlier) const {
-    const glm::dvec3 from_here = point - frame_.position, from_there = point - views_[earlier];
-    const double here = std::abs(glm::dot(normal, from_here)) / glm::dot(from_here, from_here);
-    const double there = std::abs(glm::dot(normal, from_there)) / glm::dot(from_there, from_there);
-    return here > (earlier == kIntraView ? intra_stretch_ : kLargestStretch) * there;
-  }
-
-  const Scene& scene_;
-  const CellSpace& space_;
-  const std::vector<glm::dvec3>& views_;
-  const TileId& id_;
-  const ViewFrame& frame_;
-  const VisibleBlocks* visible_;
-  const double intra_stretch_;  // the intra view has more samples
-  const double slack_;
-  int columns_ = 0, rows_ = 0;
-};
 
 void set_size(Tile& tile) {
   tile.width = packed_width(tile.blocks.size()), tile.height = packed_height(tile.blocks.size());
@@ -131,10 +26,10 @@ int packed_index(const Tile& tile, std::size_t b, int x, int y) {
 // The samples of a region's blocks that were cast, [row][column] over the region.
 class RegionSamples {
  public:
-  RegionSamples(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const DeltaCaster& caster)
-      : width(caster.columns() * kBlockSamples), height(caster.rows() * kBlockSamples),
+  RegionSamples(const Scene& scene, const CellSpace& space, const ViewFrame& frame, const VoidFinder& finder)
+      : width(finder.columns() * kBlockSamples), height(finder.rows() * kBlockSamples),
         arrays(static_cast<std::size_t>(width) * height), needed(static_cast<std::size_t>(width) * height, 0), scene_(scene), space_(space),
-        frame_(frame), caster_(caster),
+        frame_(frame), finder_(finder),
         is_cast_(static_cast<std::size_t>(width / kPatchSamples) * static_cast<std::size_t>(height / kPatchSamples), 0) {}
 
   int index(int x, int y) const { return y * width + x; }
@@ -148,12 +43,12 @@ class RegionSamples {
       for (const glm::ivec2& patch : wanted) {
         if (patch.x < 0 || patch.y < 0 || patch.x >= width / kPatchSamples || patch.y >= height / kPatchSamples) continue;
         std::uint8_t& is_cast = is_cast_[place_of(patch)];
-        if (is_cast || !caster_.is_visible(patch.x / kBlockPatches, patch.y / kBlockPatches)) continue;
+        if (is_cast || !finder_.is_visible(patch.x / kBlockPatches, patch.y / kBlockPatches)) continue;
         is_cast = 1;
         cast_packet(patch * kPatchSamples, open);
         fresh.push_back(patch);
       }
-      caster_.drop_held_by_earlier(open);
+      finder_.drop_held_by_earlier(open);
       for (const OpenSample& sample : open) needed[sample.index] = 1;
       for (const glm::ivec2& patch : fresh) infer_needed(patch);
       wanted.clear();
@@ -169,8 +64,8 @@ class RegionSamples {
   // Those of which something was cast, by column, then row: the order in which the format lists blocks.
   std::vector<glm::ivec2> blocks() const {
     std::vector<glm::ivec2> result;
-    for (int x = 0; x < caster_.columns(); ++x)
-      for (int y = 0; y < caster_.rows(); ++y) {
+    for (int x = 0; x < finder_.columns(); ++x)
+      for (int y = 0; y < finder_.rows(); ++y) {
         bool any = false;
         for (int k = 0; k < kBlockPatches * kBlockPatches; ++k)
           any = any || is_cast_[place_of(glm::ivec2(x, y) * kBlockPatches + glm::ivec2(k % kBlockPatches, k / kBlockPatches))];
@@ -219,7 +114,7 @@ class RegionSamples {
     int i[kPacketSize], j[kPacketSize], at[kPacketSize];
     for (int lane = 0; lane < kPacketSize; ++lane) {
       const int x = first.x + lane % 4, y = first.y + lane / 4;
-      i[lane] = caster_.face_block_x(0) * kBlockSamples + x, j[lane] = caster_.face_block_y(0) * kBlockSamples + y;
+      i[lane] = finder_.face_block_x(0) * kBlockSamples + x, j[lane] = finder_.face_block_y(0) * kBlockSamples + y;
       at[lane] = i[lane] < frame_.edge_samples && j[lane] < frame_.edge_samples ? index(x, y) : -1;
     }
     cast_samples(scene_, space_, frame_, i, j, at, arrays, uneven);
@@ -256,7 +151,7 @@ class RegionSamples {
   const Scene& scene_;
   const CellSpace& space_;
   const ViewFrame& frame_;
-  const DeltaCaster& caster_;
+  const VoidFinder& finder_;
   std::vector<std::uint8_t> is_cast_;
 };
 
@@ -274,11 +169,11 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   const ViewFrame frame = ViewFrame::of(space, view, id.face, edge_samples);
   // A blocker nearer to the point than the tolerance can tell is the point itself: relative slack tolerance·z.
   const double nearest = exit_distance(space.shell.inside, view, frame.face.direction(0.0, 0.0)) / space.side_m;
-  const DeltaCaster caster(scene, space, views, id, frame, settings, visible, std::min(0.05, tolerance * nearest));
-  skips.blocks_probed += static_cast<std::size_t>(caster.columns()) * caster.rows();
-  std::vector<glm::ivec2> voids = caster.find_voids();
+  const VoidFinder finder(scene, space, views, id, frame, settings, visible, warp_gain, std::min(0.05, tolerance * nearest));
+  skips.blocks_probed += static_cast<std::size_t>(finder.columns()) * finder.rows();
+  std::vector<glm::ivec2> voids = finder.find_voids();
   if (voids.empty()) return tile;
-  RegionSamples region(scene, space, frame, caster);
+  RegionSamples region(scene, space, frame, finder);
   region.cast(std::move(voids));
   const std::vector<glm::ivec2> blocks = region.blocks();
   skips.blocks_cast += blocks.size();
@@ -296,7 +191,7 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
     }
     if (count < kFewestNeeded) continue;
     full.push_back(block);
-    tile.blocks.push_back({static_cast<std::uint16_t>(caster.face_block_x(block.x)), static_cast<std::uint16_t>(caster.face_block_y(block.y))});
+    tile.blocks.push_back({static_cast<std::uint16_t>(finder.face_block_x(block.x)), static_cast<std::uint16_t>(finder.face_block_y(block.y))});
   }
   if (full.empty()) return tile;
   set_size(tile);

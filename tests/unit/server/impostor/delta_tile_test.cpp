@@ -103,7 +103,7 @@ TEST_F(PillarRoom, TheDeltaViewHoldsTheWallBehindThePillarAndNothingThatTheFirst
       }
   }
   EXPECT_GT(hidden, 1000u);
-  // Two probe rays per block, region by region: a sliver at a block's rim may be missed, no more.
+  // A probe ray or three for each patch: a sliver at a patch's rim may be missed, no more.
   EXPECT_LE(missing, hidden / 200) << "of " << hidden;
   EXPECT_EQ(superfluous, 0u) << "of " << kept;
   EXPECT_GT(skips_.blocks_probed, skips_.blocks_cast);
@@ -135,6 +135,38 @@ TEST_F(PillarRoom, WhatNobodySeesIsNeitherProbedNorCast) {
                                     kTolerance, &nothing, work, skips_);
   EXPECT_TRUE(tile.blocks.empty());
   EXPECT_EQ(work.rays, 0u);
+}
+
+// Plates close before a wall: beside each, the second view sees a strip of the wall a sample and a half wide.
+TEST(DeltaTile, NarrowStripsBesideRimsAreFound) {
+  constexpr double kPlate = 3.73, kSize = 0.15;
+  const glm::dvec3 second(0, 0.4375, 0);
+  test::Blocks blocks = test::plain_room();
+  std::vector<glm::dvec2> corners;
+  for (int row = 0; row < 12; ++row)
+    for (int column = 0; column < 12; ++column) {
+      corners.emplace_back(-2.2 + 0.371 * column, -2.2 + 0.373 * row);
+      blocks.quad({kPlate, corners.back().x, corners.back().y}, {0, 0, kSize}, {0, kSize, 0}, {90, 90, 90, 255});
+    }
+  const PlacedScene placed = blocks.build();
+  const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
+  std::set<std::pair<int, int>> covered;
+  for (int y = 0; y < face_regions(kEdge); ++y)
+    for (int x = 0; x < face_regions(kEdge); ++x) {
+      TileWork work;
+      DeltaSkips skips;
+      const TileId id{{}, 1, 0, static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y)};
+      const Tile tile = cast_delta_tile(*placed.scene, space, {placed.at(glm::dvec3(0)), placed.at(second)}, id, kSettings, kWarpGain, kTolerance, nullptr, work, skips);
+      for (std::size_t b = 0; b < tile.blocks.size(); ++b) covered.emplace(tile.blocks[b].x, tile.blocks[b].y);
+    }
+  std::size_t found = 0;
+  for (const glm::dvec2& corner : corners) {
+    // The wall just beyond the plate's edge on the second view's side, as that view sees it, half-way up.
+    const int i = static_cast<int>(sample_index(kEdge, (corner.x + kSize - second.y) / kPlate) + 1);
+    const int j = static_cast<int>(sample_index(kEdge, (corner.y + kSize / 2) / kPlate));
+    found += covered.contains({i / kBlockSamples, j / kBlockSamples}) || covered.contains({(i + 1) / kBlockSamples, j / kBlockSamples});
+  }
+  EXPECT_GE(found, corners.size() * 5 / 6) << "of " << corners.size();
 }
 
 TEST(DeltaTile, OfAConvexRoomHoldsNothing) {
