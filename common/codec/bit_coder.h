@@ -41,10 +41,14 @@ struct BitContext {
 class BitEncoder {
  public:
   void put(bool bit, BitContext& context) {
-    const std::uint32_t bound = (range_ >> 16) * context.zero;
+    put(bit, std::uint32_t{context.zero});
+    context.update(bit);
+  }
+  /// `zero`: probability of a zero bit in 1/65536, neither 0 nor all.
+  void put(bool bit, std::uint32_t zero) {
+    const std::uint32_t bound = (range_ >> 16) * zero;
     low_ += bit ? bound : 0;
     range_ = bit ? range_ - bound : bound;
-    context.update(bit);
     while (range_ < (1u << 24)) {
       range_ <<= 8;
       shift_low();
@@ -85,7 +89,12 @@ class BitDecoder {
     for (int i = 0; i < 4; ++i) code_ = (code_ << 8) | next();
   }
   bool get(BitContext& context) {
-    const std::uint32_t bound = (range_ >> 16) * context.zero;
+    const bool bit = get(std::uint32_t{context.zero});
+    context.update(bit);
+    return bit;
+  }
+  bool get(std::uint32_t zero) {
+    const std::uint32_t bound = (range_ >> 16) * zero;
     const bool bit = code_ >= bound;
     if (!bit) {
       range_ = bound;
@@ -93,7 +102,6 @@ class BitDecoder {
       code_ -= bound;
       range_ -= bound;
     }
-    context.update(bit);
     while (range_ < (1u << 24)) {
       range_ <<= 8;
       code_ = (code_ << 8) | next();

@@ -1,27 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Format: one range-coded stream. For each 8×8 block in raster order its state (empty, full, mixed) in the context of
-// the blocks to the left and above; for mixed blocks 64 bits in the context of the four causal neighbours. Then, again
-// by block: whether it holds a cut between two covered samples, and if so a bit for each such pair (contexts: the same
-// edge one row or column before, and the cut that crosses it); each cut's position as three bits in the context of
-// the previous position along the same silhouette. Where exactly one end is covered the cut is implied.
+// Format: one range-coded stream. For each 8×8 block its state (empty, full, mixed) in the context of the blocks to the
+// left and above and of the block before; for mixed blocks 64 bits in the context of the causal neighbours. Then, again by
+// block: whether it holds a cut between two covered samples, and if so a bit for each such pair, in the context of the
+// cuts around it. Where exactly one end is covered the cut is implied. A cut's position is three bits, in the contexts of
+// the positions before it along the same silhouette and of where the line through these goes on; with one end covered
+// first a bit says whether it stands at the far end, as it does where another view holds the surface beyond.
+// Neighbours are those on the face, as far as their blocks come earlier.
 #include "common/codec/coverage_codec.h"
 
 #include <array>
 #include <bit>
 #include <cstring>
 
-#include "common/codec/bit_coder.h"
+#include "common/codec/block_window.h"
+#include "common/codec/mixed_bits.h"
 
 namespace farfield {
 namespace {
-
-struct Contexts {
-  std::array<BitContext, 9> is_full{}, is_mixed{};
-  std::array<BitContext, 16> covered{};
-  std::array<BitContext, 4> has_cuts{};
-  std::array<std::array<BitContext, 8>, 2> cut{};
-  std::array<std::array<BitContext, 8>, 18> position{};
-};
 
 // One byte per sample of a block, row by row.
 using BlockValues = std::array<std::uint8_t, kBlockSamples * kBlockSamples>;
@@ -34,68 +29,73 @@ struct Topology {
   explicit Topology(const BlockGrid& grid) : covered(grid.size(), 0), cut_right(grid.size()), cut_down(grid.size()) {}
 };
 
-// One walk over the blocks serves both directions: `Coder` either writes what they say or reads it into them.
-struct Writer {
-  BitEncoder coder;
-  bool code(bool bit, BitContext& context) {
-    coder.put(bit, context);
-    return bit;
-  }
+constexpr int kEmpty = 0, kMixed = 1, kFull = 2, kNoBlock = 3;
+constexpr int kNoGuess = 15;
+
+struct Contexts {
+  MixedContexts<16, 64, 4> is_mixed, is_full;
+  MixedContexts<16, 1024, 64> covered;
+  MixedContexts<9, 18, 3> has_cuts;
+  // Of each direction: cuts to the right, cuts below.
+  std::array<MixedContexts<8, 512, 256>, 2> is_cut;
+  std::array<MixedContexts<9 * 8, 16 * 8, 81 * 8, 3>, 2> position;
+  // Of each direction, and by which end is covered.
+  std::array<std::array<MixedContexts<3, 9, 3 * 128>, 2>, 2> is_far;
+  std::array<std::array<MixedContexts<9 * 8, 16 * 8, 8, 3>, 2>, 2> rim_position;
 };
-struct Reader {
-  BitDecoder coder;
-  bool code(bool, BitContext& context) { return coder.get(context); }
+
+// What a walk knows around an edge before it codes the edge's cut: the cuts along the silhouette that may go on here, and
+// what lies across. `before`, `before_that`: the same edge one and two steps back along the silhouette.
+struct EdgeContext {
+  int before = 0, before_that = 0;
+  int near = 0;    // three bits
+  int around = 0;  // nine bits, the three included
+  int rim = 0;     // eight bits: coverage beside the edge, and cuts
+  int guess = kNoGuess;
 };
+
+// Where a silhouette goes on: on the line through its last two cuts (0…9: a step outside is still a direction), 10 if
+// only one is known, 11…14 from a neighbouring column or row, kNoGuess without any.
+int guess_position(int before, int before_that, int from_one_side, int from_other_side) {
+  if (before && before_that) return std::clamp(2 * before - before_that, 0, 9);
+  if (before) return 10;
+  if (from_one_side) return 11 + (from_one_side > 6) + (from_one_side > 3);
+  if (from_other_side) return from_other_side < 3 ? 13 : 14;
+  return kNoGuess;
+}
 
 template <class Coder>
 class TopologyWalk {
  public:
   TopologyWalk(Coder& coder, const BlockGrid& grid, Topology& blocks)
-      : coder_(coder), grid_(grid), blocks_(blocks), states_(grid.size(), 0), cut_blocks_(grid.size(), 0) {}
+      : coder_(coder), grid_(grid), blocks_(blocks), states_(grid.size(), kEmpty), cut_blocks_(grid.size(), 0) {}
   void run() {
     for (int block = 0; block < grid_.size(); ++block) code_coverage(block);
     for (int block = 0; block < grid_.size(); ++block) code_cuts(block);
   }
 
  private:
-  // What a word says of a block in the image, relative to another: 0 beyond the image's left, upper and right borders.
-  bool has_left(int block) const { return block % grid_.columns() > 0; }
-  bool has_right(int block) const { return block % grid_.columns() + 1 < grid_.columns(); }
-  bool has_above(int block) const { return block >= grid_.columns(); }
-
   void code_coverage(int block) {
     std::uint64_t& covered = blocks_.covered[block];
-    const std::uint64_t samples = grid_.samples(block);
-    const int above = block - grid_.columns();
-    const int context = (has_left(block) ? states_[block - 1] : 0) * 3 + (has_above(block) ? states_[above] : 0);
-    const bool is_mixed = coder_.code(covered != 0 && covered != samples, contexts_.is_mixed[context]);
-    const bool is_full = !is_mixed && coder_.code(covered == samples, contexts_.is_full[context]);
-    states_[block] = is_mixed ? 1 : (is_full ? 2 : 0);
-    if (!is_mixed) {
-      covered = is_full ? samples : 0;
-      return;
-    }
-    const std::uint64_t left = has_left(block) ? blocks_.covered[block - 1] : 0, wanted = covered;
-    covered = 0;
-    // Bits x … x + 2 of `row_above` are the samples above x - 1, x and x + 1. The sample above and to the right is known only
-    // inside this block or in the row of blocks above.
-    unsigned row_above = 0;
-    if (has_above(block)) {
-      row_above = static_cast<unsigned>(blocks_.covered[above] >> 56) << 1;
-      if (has_left(block)) row_above |= static_cast<unsigned>(blocks_.covered[above - 1] >> 63);
-      if (has_right(block)) row_above |= static_cast<unsigned>(blocks_.covered[above + 1] >> 56 & 1) << 9;
-    }
-    for (int y = 0; y < kBlockSamples; ++y) {
-      unsigned row = static_cast<unsigned>(left >> (8 * y + 7) & 1);  // bit x + 1: sample x
-      for (int x = 0; x < kBlockSamples; ++x) {
-        const int k = 8 * y + x;
-        if (!(samples >> k & 1)) continue;
-        const unsigned near = row_above >> x;
-        const unsigned c = (row >> x & 1) | (near & 2) | (near & 1) << 2 | (near & 4) << 1;
-        row |= static_cast<unsigned>(coder_.code(wanted >> k & 1, contexts_.covered[c])) << (x + 1);
-      }
-      covered |= std::uint64_t{row >> 1} << 8 * y;
-      row_above = row;
+    const std::uint64_t samples = grid_.samples(block), wanted = covered;
+    const BlockGrid::Beside& beside = grid_.beside(block);
+    const auto state_of = [&](int other) { return other < 0 ? kNoBlock : int{states_[other]}; };
+    const int around = state_of(beside.left) * 4 + state_of(beside.above), last = state_of(block - 1);
+    const auto is = [&](bool bit, auto& contexts) { return coder_.code(bit, contexts(around, last * 16 + around, last)); };
+    const bool is_mixed = is(wanted != 0 && wanted != samples, contexts_.is_mixed);
+    const bool is_full = !is_mixed && is(wanted == samples, contexts_.is_full);
+    states_[block] = static_cast<std::uint8_t>(is_mixed ? kMixed : is_full ? kFull : kEmpty);
+    covered = is_full ? samples : 0;
+    if (!is_mixed) return;
+    BlockWindow near(grid_, block, [&](int other, int k) { return static_cast<std::uint8_t>(blocks_.covered[other] >> k & 1); });
+    for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
+      if (!(samples >> k & 1)) continue;
+      const auto at = [&](int dx, int dy) { return int{near.at(k, dx, dy)}; };
+      const int four = at(-1, 0) | at(0, -1) << 1 | at(-1, -1) << 2 | at(1, -1) << 3;
+      const int ten = four | at(-2, 0) << 4 | at(0, -2) << 5 | at(2, -1) << 6 | at(1, -2) << 7 | at(-1, -2) << 8 | at(-2, -1) << 9;
+      const bool bit = coder_.code(wanted >> k & 1, contexts_.covered(four, ten, (ten & 31) << 1 | at(-1, 1)));
+      near.set(k, bit);
+      covered |= std::uint64_t{bit} << k;
     }
   }
 
@@ -103,14 +103,14 @@ class TopologyWalk {
   void code_cuts(int block) {
     const BlockGrid::Beside& beside = grid_.beside(block);
     const std::uint64_t covered = blocks_.covered[block];
-    const std::uint64_t right = bits_to_the_right(covered, beside.right < 0 ? 0 : blocks_.covered[beside.right]);
-    const std::uint64_t below = bits_below(covered, beside.below < 0 ? 0 : blocks_.covered[beside.below]);
+    const std::uint64_t right = covered_right_of(block), below = bits_below(covered, covered_in(beside.below));
     BlockValues &cut_right = blocks_.cut_right[block], &cut_down = blocks_.cut_down[block];
     bool any = false;
-    if (states_[block] != 0) {
+    if (states_[block] != kEmpty) {
+      const auto cut_in = [&](int other) { return other < 0 ? 2 : int{cut_blocks_[other]}; };
+      const int around = cut_in(beside.left) + 3 * cut_in(beside.above);
       any = has_cut(cut_right, covered & right) || has_cut(cut_down, covered & below);
-      const int context = (has_left(block) ? cut_blocks_[block - 1] : 0) + 2 * (has_above(block) ? cut_blocks_[block - grid_.columns()] : 0);
-      any = coder_.code(any, contexts_.has_cuts[context]);
+      any = coder_.code(any, contexts_.has_cuts(around, around * 2 + (states_[block] == kFull), cut_in(block - 1)));
     }
     cut_blocks_[block] = any;
 
@@ -118,20 +118,74 @@ class TopologyWalk {
     cut_right.fill(kConnected), cut_down.fill(kConnected);
     const std::uint64_t code_right = (any ? covered | right : covered ^ right) & grid_.with_right(block);
     const std::uint64_t code_down = (any ? covered | below : covered ^ below) & grid_.with_below(block);
+    if ((code_right | code_down) == 0) return;
+    const std::uint64_t left = (covered & ~kLastColumn) << 1 | (covered_in(beside.left) & kLastColumn) >> 7;
+    const std::uint64_t above = covered << 8 | covered_in(beside.above) >> 56;
+    const std::uint64_t above_right = right << 8 | (beside.above < 0 ? 0 : covered_right_of(beside.above) >> 56);
+    BlockWindow across(grid_, block, [&](int other, int k) { return blocks_.cut_right[other][k]; });
+    BlockWindow along(grid_, block, [&](int other, int k) { return blocks_.cut_down[other][k]; });
     for (std::uint64_t todo = code_right | code_down; todo != 0; todo &= todo - 1) {
       const int k = std::countr_zero(todo);
-      const int right_above = value_above(blocks_.cut_right, k, block, beside.above), down_above = value_above(blocks_.cut_down, k, block, beside.above);
-      if (code_right >> k & 1) {
-        const int before = value_left(blocks_.cut_right, k, block, beside.left);
-        const int context = (right_above != 0) | (before != 0) << 1 | (down_above != 0) << 2;
-        cut_right[k] = code_edge((covered & right) >> k & 1, wanted_right[k], right_above, contexts_.cut[0][context], 0);
+      const auto bit = [&](std::uint64_t word) { return static_cast<int>(word >> k & 1); };
+      if (bit(code_right)) {
+        const EdgeContext edge = edge_to_the_right(across, along, k, bit(above) | bit(above_right) << 1);
+        cut_right[k] = code_edge(bit(covered), bit(right), wanted_right[k], edge, 0);
+        across.set(k, cut_right[k]);
       }
-      if (code_down >> k & 1) {
-        const int along = value_left(blocks_.cut_down, k, block, beside.left);
-        const int context = (along != 0) | (down_above != 0) << 1 | (cut_right[k] != 0) << 2;
-        cut_down[k] = code_edge((covered & below) >> k & 1, wanted_down[k], along, contexts_.cut[1][context], 1);
+      if (bit(code_down)) {
+        const EdgeContext edge = edge_below(across, along, k, bit(left) | bit(right) << 1);
+        cut_down[k] = code_edge(bit(covered), bit(below), wanted_down[k], edge, 1);
+        along.set(k, cut_down[k]);
       }
     }
+  }
+
+  static EdgeContext edge_to_the_right(const BlockWindow& right, const BlockWindow& down, int k, int coverage) {
+    const auto r = [&](int dx, int dy) { return int{right.at(k, dx, dy)}; };
+    const auto d = [&](int dx, int dy) { return int{down.at(k, dx, dy)}; };
+    EdgeContext edge{.before = r(0, -1), .before_that = r(0, -2)};
+    edge.near = (r(0, -1) != 0) | (r(-1, 0) != 0) << 1 | (d(0, -1) != 0) << 2;
+    edge.around = edge.near | (r(0, -2) != 0) << 3 | (r(-1, -1) != 0) << 4 | (r(1, -1) != 0) << 5 | (d(1, -1) != 0) << 6 |
+                  (d(-1, 0) != 0) << 7 | (d(-1, -1) != 0) << 8;
+    edge.rim = coverage | edge.near << 2 | (r(-2, 0) != 0) << 5;
+    edge.guess = guess_position(edge.before, edge.before_that, d(-1, -1), d(1, -1));
+    return edge;
+  }
+  static EdgeContext edge_below(const BlockWindow& right, const BlockWindow& down, int k, int coverage) {
+    const auto r = [&](int dx, int dy) { return int{right.at(k, dx, dy)}; };
+    const auto d = [&](int dx, int dy) { return int{down.at(k, dx, dy)}; };
+    EdgeContext edge{.before = d(-1, 0), .before_that = d(-2, 0)};
+    edge.near = (d(-1, 0) != 0) | (d(0, -1) != 0) << 1 | (r(0, 0) != 0) << 2;
+    edge.around = edge.near | (d(-2, 0) != 0) << 3 | (d(-1, -1) != 0) << 4 | (r(-1, 0) != 0) << 5 | (r(0, -1) != 0) << 6 |
+                  (d(1, -1) != 0) << 7 | (d(0, -2) != 0) << 8;
+    edge.rim = coverage | edge.near << 2 | (r(-1, -1) != 0) << 5;
+    edge.guess = guess_position(edge.before, edge.before_that, r(-1, -1), r(-1, 1));
+    return edge;
+  }
+
+  std::uint8_t code_edge(bool is_first, bool is_second, int wanted, const EdgeContext& edge, int direction) {
+    if (is_first && is_second) {
+      if (!coder_.code(wanted != kConnected, contexts_.is_cut[direction](edge.near, edge.around, edge.rim))) return kConnected;
+      auto& tree = contexts_.position[direction];
+      return code_position(wanted, [&](int node, int bit) {
+        return tree(edge.before * 8 + node, edge.guess * 8 + node, (edge.before * 9 + edge.before_that) * 8 + node, bit);
+      });
+    }
+    const int far = is_first ? 8 : 1;
+    const auto like = [&](int cut) { return cut == kConnected ? 2 : int{cut == far}; };
+    auto& is_far = contexts_.is_far[direction][is_first];
+    const int before = like(edge.before);
+    if (coder_.code(wanted == far, is_far(before, before * 3 + like(edge.before_that), before * 128 + (edge.around & 127))))
+      return static_cast<std::uint8_t>(far);
+    auto& tree = contexts_.rim_position[direction][is_first];
+    return code_position(wanted, [&](int node, int bit) { return tree(edge.before * 8 + node, edge.guess * 8 + node, node, bit); });
+  }
+  template <class Predict>
+  std::uint8_t code_position(int wanted, Predict predict) {
+    const int position = wanted == kConnected ? 3 : wanted - 1;
+    int node = 1;
+    for (int bit = 2; bit >= 0; --bit) node = node * 2 + coder_.code((position >> bit) & 1, predict(node, bit));
+    return static_cast<std::uint8_t>(node - 8 + 1);
   }
 
   static bool has_cut(const BlockValues& cuts, std::uint64_t where) {
@@ -140,21 +194,9 @@ class TopologyWalk {
       if (cuts[std::countr_zero(where)] != kConnected) return true;
     return false;
   }
-  static int value_above(const std::vector<BlockValues>& values, int k, int block, int above) {
-    return k >= 8 ? values[block][k - 8] : above >= 0 ? values[above][k + 56] : 0;
-  }
-  static int value_left(const std::vector<BlockValues>& values, int k, int block, int left) {
-    return k % 8 > 0 ? values[block][k - 1] : left >= 0 ? values[left][k + 7] : 0;
-  }
-
-  // `along`: the same edge's cut one row or column before, along the silhouette.
-  std::uint8_t code_edge(bool has_two_ends, int wanted, int along, BitContext& is_cut, int direction) {
-    if (has_two_ends && !coder_.code(wanted != kConnected, is_cut)) return kConnected;
-    auto& tree = contexts_.position[along + 9 * direction];
-    int node = 1;
-    const int position = wanted == kConnected ? 3 : wanted - 1;
-    for (int bit = 2; bit >= 0; --bit) node = node * 2 + coder_.code((position >> bit) & 1, tree[node]);
-    return static_cast<std::uint8_t>(node - 8 + 1);
+  std::uint64_t covered_in(int block) const { return block < 0 ? 0 : blocks_.covered[block]; }
+  std::uint64_t covered_right_of(int block) const {
+    return bits_to_the_right(blocks_.covered[block], covered_in(grid_.beside(block).right));
   }
 
   Coder& coder_;
@@ -185,16 +227,16 @@ Bytes encode_topology(const Tile& tile, const TileBits& bits) {
       std::memcpy(&blocks.cut_down[block][in_block], &tile.cut_down[in_tile], static_cast<std::size_t>(columns));
     });
   }
-  Writer writer;
-  TopologyWalk<Writer>(writer, grid, blocks).run();
-  return writer.coder.finish();
+  BitWriter writer;
+  TopologyWalk<BitWriter>(writer, grid, blocks).run();
+  return writer.finish();
 }
 
 void decode_topology(ByteView bytes, Tile& tile) {
   const BlockGrid grid(tile);
   Topology blocks(grid);
-  Reader reader{BitDecoder(bytes)};
-  TopologyWalk<Reader>(reader, grid, blocks).run();
+  BitReader reader(bytes);
+  TopologyWalk<BitReader>(reader, grid, blocks).run();
   tile.coverage.resize(tile.samples()), tile.cut_right.resize(tile.samples()), tile.cut_down.resize(tile.samples());
   for (int block = 0; block < grid.size(); ++block)
     each_row(grid, block, [&](std::size_t in_tile, int in_block, int columns) {

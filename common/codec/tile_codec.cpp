@@ -15,7 +15,7 @@ namespace farfield {
 namespace {
 
 constexpr std::uint16_t kMagic = 0x5446;  // "FT"
-constexpr std::uint8_t kVersion = 2;
+constexpr std::uint8_t kVersion = 3;
 constexpr std::size_t kMaxBlocks = std::size_t{kRegionBlocks} * kRegionBlocks;
 
 bool is_possible_tolerance(float tolerance) { return tolerance > 1e-12f && tolerance < 1e3f; }
