@@ -1,136 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
-// Based on: abbreviated JPEG streams (ITU-T T.81 annex B.4, B.5): a tile of two kilobytes need not repeat 600 bytes of
-// tables.
 #include "common/codec/colour_codec.h"
 
-#include <csetjmp>
-#include <cstdio>
-#include <cstdlib>
+#include <algorithm>
+#include <bit>
 
-#include <jpeglib.h>
+#include "common/codec/colour_quantiser.h"
 
 namespace farfield {
 namespace {
 
-// libjpeg reports through callbacks that must not return; the jump stays inside this file and crosses no destructor.
-struct ErrorTrap {
-  jpeg_error_mgr manager;
-  std::jmp_buf jump;
-  char message[JMSG_LENGTH_MAX] = {};
-};
-
-void on_error(j_common_ptr info) {
-  auto* trap = reinterpret_cast<ErrorTrap*>(info->err);
-  info->err->format_message(info, trap->message);
-  std::longjmp(trap->jump, 1);
-}
-void on_message(j_common_ptr info, int level) {
-  if (level < 0) on_error(info);  // a warning: corrupt data that libjpeg would paper over
-}
-
-jpeg_error_mgr* install(ErrorTrap& trap) {
-  jpeg_std_error(&trap.manager);
-  trap.manager.error_exit = on_error;
-  trap.manager.emit_message = on_message;
-  return &trap.manager;
-}
-
-void configure(jpeg_compress_struct& jpeg, int width, int height, int quality) {
-  jpeg.image_width = static_cast<JDIMENSION>(width);
-  jpeg.image_height = static_cast<JDIMENSION>(height);
-  jpeg.input_components = 3;
-  jpeg.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&jpeg);
-  jpeg_set_quality(&jpeg, quality, TRUE);
-  for (int c = 0; c < 3; ++c) jpeg.comp_info[c].h_samp_factor = jpeg.comp_info[c].v_samp_factor = 1;
-  // T.81 annex D: adapts to each tile without a table, where the standard Huffman tables fit none.
-  jpeg.arith_code = TRUE;
-}
-
-struct CBuffer {  // malloc'ed by libjpeg; freed by its owner outside every jump
-  unsigned char* data = nullptr;
-  unsigned long size = 0;
-  ~CBuffer() { std::free(data); }
-};
-
-bool compress(ErrorTrap& trap, const std::uint8_t* rgb, int width, int height, int quality, bool tables_only, CBuffer& out) {
-  jpeg_compress_struct jpeg{};
-  jpeg.err = install(trap);
-  if (setjmp(trap.jump)) {
-    jpeg_destroy_compress(&jpeg);
-    return false;
+// Calls visit(sample in the block, first byte in the image) for each covered sample of a block.
+template <class Visit>
+void each_covered(const TileBits& bits, int block, Visit visit) {
+  const auto first = static_cast<std::size_t>(bits.grid().first_sample(block));
+  for (std::uint64_t todo = bits[block].covered; todo != 0; todo &= todo - 1) {
+    const int k = std::countr_zero(todo);
+    visit(k, 3 * (first + static_cast<std::size_t>(k / kBlockSamples) * bits.grid().width() + k % kBlockSamples));
   }
-  jpeg_create_compress(&jpeg);
-  jpeg_mem_dest(&jpeg, &out.data, &out.size);
-  configure(jpeg, width, height, quality);
-  if (tables_only) {
-    jpeg_write_tables(&jpeg);
-  } else {
-    jpeg_suppress_tables(&jpeg, TRUE);
-    jpeg.write_JFIF_header = FALSE;
-    jpeg_start_compress(&jpeg, FALSE);
-    while (jpeg.next_scanline < jpeg.image_height) {
-      JSAMPROW row = const_cast<JSAMPROW>(rgb + std::size_t{3} * width * jpeg.next_scanline);
-      jpeg_write_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_compress(&jpeg);
-  }
-  jpeg_destroy_compress(&jpeg);
-  return true;
 }
 
-bool decompress(ErrorTrap& trap, const CBuffer& tables, ByteView bytes, int width, int height, std::uint8_t* rgb,
-                bool& wrong_size) {
-  jpeg_decompress_struct jpeg{};
-  jpeg.err = install(trap);
-  if (setjmp(trap.jump)) {
-    jpeg_destroy_decompress(&jpeg);
-    return false;
-  }
-  jpeg_create_decompress(&jpeg);
-  jpeg_mem_src(&jpeg, tables.data, tables.size);
-  jpeg_read_header(&jpeg, FALSE);
-  jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
-  jpeg_read_header(&jpeg, TRUE);
-  wrong_size = static_cast<int>(jpeg.image_width) != width || static_cast<int>(jpeg.image_height) != height ||
-               jpeg.num_components != 3 || jpeg.progressive_mode;
-  if (!wrong_size) {
-    // Without the JFIF marker libjpeg would guess the colour space from component ids: it is always YCbCr here.
-    jpeg.jpeg_color_space = JCS_YCbCr;
-    jpeg.out_color_space = JCS_RGB;
-    jpeg_start_decompress(&jpeg);
-    while (jpeg.output_scanline < jpeg.output_height) {
-      JSAMPROW row = rgb + std::size_t{3} * width * jpeg.output_scanline;
-      jpeg_read_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_decompress(&jpeg);
-  }
-  jpeg_destroy_decompress(&jpeg);
-  return true;
-}
+std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 128.5f, 0.0f, 255.0f)); }
 
 }  // namespace
 
-Result<Bytes> encode_colour(ByteView rgb, int width, int height, int quality) {
-  ErrorTrap trap;
-  CBuffer out;
-  if (!compress(trap, rgb.data(), width, height, quality, false, out))
-    return fail(ErrorCode::kInternal, "colour of a {}×{} tile: JPEG encoder: {}", width, height, trap.message);
-  return Bytes(out.data, out.data + out.size);
+float colour_step(int quality) {
+  // JPEG's scale: percent of the tables that it calls quality 50.
+  const float percent = quality < 50 ? 5000.0f / static_cast<float>(quality) : static_cast<float>(200 - 2 * quality);
+  return std::max(1.0f, 0.3f * percent);
 }
 
-Result<std::vector<std::uint8_t>> decode_colour(ByteView bytes, int width, int height, int quality) {
-  if (quality < 1 || quality > 100) return fail(ErrorCode::kBadData, "tile colour: quality {} is not in 1…100", quality);
-  if (bytes.empty()) return fail(ErrorCode::kBadData, "tile colour: no bytes");
-  ErrorTrap trap;
-  CBuffer tables;
-  if (!compress(trap, nullptr, 8, 8, quality, true, tables))
-    return fail(ErrorCode::kInternal, "tile colour: JPEG tables: {}", trap.message);
-  std::vector<std::uint8_t> rgb(std::size_t{3} * width * height);
-  bool wrong_size = false;
-  if (!decompress(trap, tables, bytes, width, height, rgb.data(), wrong_size))
-    return fail(ErrorCode::kBadData, "tile colour: not a whole JPEG: {}", trap.message);
-  if (wrong_size) return fail(ErrorCode::kBadData, "tile colour: the JPEG is not a {}×{} colour image", width, height);
+Bytes encode_colour(ByteView rgb, const TileBits& bits, int quality) {
+  std::vector<ColourPlane> planes(static_cast<std::size_t>(kColourPlanes * bits.grid().size()));
+  for (int block = 0; block < bits.grid().size(); ++block) {
+    ColourPlane* of_block = &planes[static_cast<std::size_t>(kColourPlanes * block)];
+    for (int p = 0; p < kColourPlanes; ++p) of_block[p].covered = bits[block].covered;
+    each_covered(bits, block, [&](int k, std::size_t at) {
+      const auto difference = [&](int c) { return static_cast<float>(int{rgb[at + static_cast<std::size_t>(c)]} - 128); };
+      const float r = difference(0), g = difference(1), b = difference(2);
+      // ITU-T T.871, section 7.
+      of_block[0].samples[k] = 0.299f * r + 0.587f * g + 0.114f * b;
+      of_block[1].samples[k] = -0.168736f * r - 0.331264f * g + 0.5f * b;
+      of_block[2].samples[k] = 0.5f * r - 0.418688f * g - 0.081312f * b;
+    });
+  }
+  return encode_colour_blocks(quantise_colours(planes, colour_step(quality)), bits);
+}
+
+std::vector<std::uint8_t> decode_colour(ByteView bytes, const TileBits& bits, int quality) {
+  const std::vector<ColourBlock> blocks = decode_colour_blocks(bytes, bits);
+  std::vector<std::uint8_t> rgb(std::size_t{3} * bits.grid().width() * bits.grid().height(), 128);
+  const BlockTransform transform;
+  const float step = colour_step(quality);
+  for (int block = 0; block < bits.grid().size(); ++block) {
+    if (bits[block].covered == 0) continue;
+    std::array<BlockPlane, kColourPlanes> planes;
+    for (int p = 0; p < kColourPlanes; ++p) {
+      const auto& levels = blocks[block].levels[p];
+      BlockPlane coefficients;
+      for (std::size_t k = 0; k < levels.size(); ++k) coefficients[k] = step * static_cast<float>(levels[k]);
+      planes[p] = transform.inverse(coefficients);
+    }
+    each_covered(bits, block, [&](int k, std::size_t at) {
+      const float luma = planes[0][k], blue = planes[1][k], red = planes[2][k];
+      rgb[at] = to_byte(luma + 1.402f * red);
+      rgb[at + 1] = to_byte(luma - 0.344136f * blue - 0.714136f * red);
+      rgb[at + 2] = to_byte(luma + 1.772f * blue);
+    });
+  }
   return rgb;
 }
 

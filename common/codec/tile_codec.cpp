@@ -81,6 +81,7 @@ Status get_header(ByteReader& in, Tile& tile, int& quality, const TileLimits& li
   Certificate& c = tile.certificate;
   for (float* value : {&c.void_worst_sr, &c.void_mean_sr, &c.colour_psnr_db, &c.warp_px}) *value = from_code(in.get<std::uint16_t>());
   if (!in.ok()) return fail(ErrorCode::kBadData, "tile: cut off in its header");
+  if (quality < 1 || quality > 100) return fail(ErrorCode::kBadData, "tile: colour quality {} is not in 1…100", quality);
   if (tile.id.cell.level > kMaxCellLevel || tile.id.face >= kCubeFaces) return fail(ErrorCode::kBadData, "tile: no such cell or face");
   if (tile.edge_samples < 4 || tile.edge_samples > limits.edge_samples)
     return fail(ErrorCode::kLimitExceeded, "tile: a face of {} samples, at most {} are accepted", tile.edge_samples, limits.edge_samples);
@@ -127,15 +128,14 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
   Bytes disparity = encode_disparity(tile, bits);
   std::vector<std::uint8_t> rgb = tile.rgb;
   const Bytes bases = take_out_base_colours(find_surfaces(tile, bits), rgb);
-  Result<Bytes> colour = encode_colour(rgb, tile.width, tile.height, encoding.jpeg_quality);
-  if (!colour) return tl::unexpected(colour.error());
+  const Bytes colour = encode_colour(rgb, bits, encoding.jpeg_quality);
   const std::uint32_t covered = static_cast<std::uint32_t>(std::count(tile.coverage.begin(), tile.coverage.end(), 1));
   out.put_varint(covered);
-  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &bases, &*colour}) out.put_varint(part->size());
+  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &bases, &colour}) out.put_varint(part->size());
   const std::size_t other = out.size();
-  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &bases, &*colour}) out.put_bytes(*part);
+  for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &bases, &colour}) out.put_bytes(*part);
   if (accounting) {
-    *accounting = {static_cast<std::uint32_t>(bases.size() + colour->size()), static_cast<std::uint32_t>(disparity.size()),
+    *accounting = {static_cast<std::uint32_t>(bases.size() + colour.size()), static_cast<std::uint32_t>(disparity.size()),
                    static_cast<std::uint32_t>(topology.size()), static_cast<std::uint32_t>(other), covered};
   }
   return out.take();
@@ -161,11 +161,9 @@ Result<Tile> decode_tile(ByteView bytes, const TileLimits& limits) {
   const ByteView topology = in.get_bytes(topology_size), disparity = in.get_bytes(disparity_size), bases = in.get_bytes(bases_size),
                  colour = in.get_bytes(colour_size);
   if (!in.ok() || in.remaining() != 0) return fail(ErrorCode::kBadData, "tile: its parts do not add up to its size");
-  Result<std::vector<std::uint8_t>> rgb = decode_colour(colour, tile.width, tile.height, quality);
-  if (!rgb) return tl::unexpected(rgb.error());
-  tile.rgb = std::move(*rgb);
   decode_topology(topology, tile);
   const TileBits bits(tile);
+  tile.rgb = decode_colour(colour, bits, quality);
   put_back_base_colours(bases, find_surfaces(tile, bits), tile.rgb);
   decode_disparity(disparity, bits, tile);
   return tile;

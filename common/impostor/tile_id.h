@@ -14,7 +14,7 @@ namespace farfield {
 /// samples, so that meshes made from each tile alone overlap by one sample instead of leaving a crack.
 inline constexpr int kTileSamples = 128;
 inline constexpr int kTileStride = kTileSamples - 2;
-/// Side of the blocks in which delta views are packed: JPEG's block, so that packing costs no extra coefficients.
+/// Side of the blocks in which delta views are packed: the colour transform's, so that packing costs no extra coefficients.
 inline constexpr int kBlockSamples = 8;
 /// A delta view's face is divided into regions of this many blocks along an edge (16·8 = 128 samples).
 inline constexpr int kRegionBlocks = 16;

@@ -210,7 +210,7 @@ Method farfield_method(const std::string& renderer, const BenchOptions& defaults
   const ImpostorSettings& s = defaults.settings;
   const bool is_gl = renderer == "gl";
   return {"farfield-" + renderer, is_gl ? "Farfield, its meshes through OpenGL" : "Farfield, its samples warped on the processor",
-          {{"quality", double(s.jpeg_quality), "JPEG quality of tiles", 1, 100, true},
+          {{"quality", double(s.jpeg_quality), "quality of colours on the scale of JPEG", 1, 100, true},
            {"tau", s.tau_px, "guaranteed warp error of coded disparity, pixels", 0.01, 16},
            {"face-tiles", double(s.face_tiles), "tiles along a face's edge: the sample rate", 1, 64, true},
            {"delta-views", double(s.delta_views), "delta views per cell, at most", 0, 32, true},

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "common/codec/colour_codec.h"
+#include "tests/bench/baselines/jpeg_image.h"
 #include "tests/bench/baselines/mesh_panel.h"
 
 namespace farfield::bench {
@@ -69,7 +69,7 @@ Result<Bytes> encode_image_blocks(std::span<const std::uint8_t> rgb, int edge, s
   out.put_varint(list.size());
   out.put_bytes(list);
   if (count > 0) {
-    const Result<Bytes> jpeg = encode_colour(packed, width, height, quality);
+    const Result<Bytes> jpeg = encode_jpeg(packed, width, height, quality);
     if (!jpeg) return tl::unexpected(jpeg.error());
     out.put_bytes(*jpeg);
   }
@@ -89,7 +89,7 @@ Result<std::vector<std::uint8_t>> decode_image_blocks(ByteView bytes, int edge, 
   const int count = for_each_packed(*wanted, along, [](int, int, int, int) {});
   if (count == 0) return sent;
   const Result<std::vector<std::uint8_t>> packed =
-      decode_colour(in.get_bytes(in.remaining()), width, (count + along - 1) / along * kImageBlock, quality);
+      decode_jpeg(in.get_bytes(in.remaining()), width, (count + along - 1) / along * kImageBlock, quality);
   if (!packed) return tl::unexpected(packed.error());
   for_each_packed(*wanted, along, [&](int bx, int by, int px, int py) {
     for (int y = by * kImageBlock; y < std::min((by + 1) * kImageBlock, edge); ++y)

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/codec/colour_codec.h"
+#include "tests/bench/baselines/jpeg_image.h"
 #include "common/impostor/fill_uncovered.h"
 #include "tests/bench/baselines/layered_image.h"
 #include "tests/bench/baselines/mesh_panel.h"
@@ -109,7 +109,7 @@ Result<Bytes> encode_colours(const LayeredFace& face, const Bytes& counts, int q
     std::uint8_t* to = &deeper[packed_pixel(number++)];
     to[0] = s.r, to[1] = s.g, to[2] = s.b;
   });
-  const Result<Bytes> packed = encode_colour(deeper, kPackedBlocks * kImageBlock, packed_height(count), quality);
+  const Result<Bytes> packed = encode_jpeg(deeper, kPackedBlocks * kImageBlock, packed_height(count), quality);
   if (!packed) return tl::unexpected(packed.error());
   out.put_bytes(*packed);
   return out.take();
@@ -129,7 +129,7 @@ Status decode_colours(ByteView bytes, const Bytes& counts, int quality, LayeredF
     --deep;
   }
   if (deep == 0) return {};
-  const auto packed = decode_colour(in.get_bytes(in.remaining()), kPackedBlocks * kImageBlock, packed_height(deep), quality);
+  const auto packed = decode_jpeg(in.get_bytes(in.remaining()), kPackedBlocks * kImageBlock, packed_height(deep), quality);
   if (!packed) return tl::unexpected(packed.error());
   std::size_t number = 0;
   for_each_deeper(counts, edge, [&](std::size_t pixel, std::uint32_t layer) {

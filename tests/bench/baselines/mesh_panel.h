@@ -3,7 +3,7 @@
 // client gets.
 //
 // Encoded as the papers leave open and as Farfield would do it: vertices quantised and sorted, meshoptimizer's vertex and
-// index codecs, then zstd; images as arithmetic-coded JPEG 4:4:4 (common/codec/colour_codec.h), of delta samples only the
+// index codecs, then zstd; images as arithmetic-coded JPEG 4:4:4 (tests/bench/baselines/jpeg_image.h), of delta samples only the
 // blocks that their mesh shows.
 #pragma once
 

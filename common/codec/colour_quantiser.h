@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which levels to send for the colours of a tile's blocks: the cheapest for what they leave of the error.
+//
+// Based on: Y. Shoham & A. Gersho, "Efficient bit allocation for an arbitrary set of quantizers", 1988: whatever is sent, a
+// byte should buy the same error everywhere. With one step for all coefficients it does, but for those that are small:
+// these are dropped where the bits they cost buy less than that.
+#pragma once
+
+#include <vector>
+
+#include "common/codec/block_transform.h"
+#include "common/codec/colour_blocks.h"
+
+namespace farfield {
+
+/// The samples of one plane of a block, and which are covered; the others may be anything.
+struct ColourPlane {
+  BlockPlane samples{};
+  std::uint64_t covered = 0;
+};
+
+/// `planes`: kColourPlanes for each block. `step`: the quantiser's. The same for the same input, whatever thread.
+std::vector<ColourBlock> quantise_colours(std::vector<ColourPlane>& planes, float step);
+
+}  // namespace farfield
