@@ -159,8 +159,17 @@ class DisparityEncoder : PlaneTree {
            bent(d(x0, y0), d(xm, ym), d(x2, y2)) || bent(d(x2, y0), d(xm, ym), d(x0, y2));
   }
 
+  // No larger than the tolerance: an eye anywhere in the cell sees it within tau of where it would be at infinity. Nothing of
+  // the surface farther than that carries depth. One unit less, as in fit_plane().
+  static constexpr double kNoDepth = 255.0;
+
   bool fit_whole(const Node& node, Plane& plane) const {
     const float* first = &tile_.disparity[index(node.x, node.y)];
+    if (wanted(index(node.x, node.y)) <= kNoDepth &&
+        of_size(node.size, [&](auto whole) { return whole.rest(first, tile_.width, units_per_disparity_, 0, 0); }).high <= kNoDepth) {
+      plane = {};
+      return true;
+    }
     return of_size(node.size, [&](auto whole) {
       return fit_plane(
           node, whole.moments(first, tile_.width, units_per_disparity_),
@@ -175,9 +184,15 @@ class DisparityEncoder : PlaneTree {
         for (int x = first; x < end; ++x) visit(x, y, wanted(index(node.x + x, node.y + y)));
       });
     };
+    bool has_depth = false;
     each_member([&](double x, double y, double d) {
+      has_depth = has_depth || d > kNoDepth;
       m.n += 1, m.sx += x, m.sy += y, m.sxx += x * x, m.sxy += x * y, m.syy += y * y, m.sd += d, m.sxd += x * d, m.syd += y * d;
     });
+    if (!has_depth) {
+      plane = {};
+      return true;
+    }
     const auto rest = [&](double gx, double gy) {
       Range range;
       each_member([&](double x, double y, double d) {

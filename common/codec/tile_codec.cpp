@@ -92,6 +92,16 @@ Status get_header(ByteReader& in, Tile& tile, int& quality, const TileLimits& li
   return {};
 }
 
+// The header apart from cell and certificate, and everything after it.
+ContentHash content_of(const Tile& tile, int quality, ByteView after_header) {
+  ByteWriter place;
+  place.put(tile.id.view), place.put(tile.id.face), place.put(tile.id.x), place.put(tile.id.y);
+  place.put(static_cast<std::uint16_t>(tile.edge_samples)), place.put(static_cast<std::uint8_t>(quality));
+  for (int a = 0; a < 3; ++a) place.put(tile.view_offset[a]);
+  place.put(tile.disparity_tolerance);
+  return hash_bytes(after_header, hash_bytes(place.take()));
+}
+
 // The tolerance that can be kept: kMostTolerances.
 Result<float> kept_tolerance(const Tile& tile) {
   float largest = 0;
@@ -122,6 +132,7 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
   }
   ByteWriter out;
   put_header(out, tile, encoding.jpeg_quality);
+  const std::size_t header = out.size();
   if (tile.is_packed()) put_blocks(out, tile);
   const TileBits bits(tile);
   Bytes topology = encode_topology(tile, bits);
@@ -138,7 +149,9 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
     *accounting = {static_cast<std::uint32_t>(bases.size() + colour.size()), static_cast<std::uint32_t>(disparity.size()),
                    static_cast<std::uint32_t>(topology.size()), static_cast<std::uint32_t>(other), covered};
   }
-  return out.take();
+  Bytes bytes = out.take();
+  if (accounting) accounting->content = content_of(tile, encoding.jpeg_quality, ByteView(bytes).subspan(header));
+  return bytes;
 }
 
 Result<Tile> decode_tile(ByteView bytes, const TileLimits& limits) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/base/bytes.h"
+#include "common/base/hash.h"
 #include "common/base/result.h"
 #include "common/impostor/tile.h"
 
@@ -16,6 +17,9 @@ struct TileEncoding {
 struct TileBytes {
   std::uint32_t colour = 0, disparity = 0, topology = 0, other = 0;
   std::uint32_t covered_samples = 0;
+  /// Of what the tile shows and where in its cell, without the cell and the certificate: tiles of two cells with the same one are
+  /// interchangeable. Only the encoder tells it.
+  ContentHash content = 0;
 };
 
 /// What a decoder accepts: nothing beyond is allocated.

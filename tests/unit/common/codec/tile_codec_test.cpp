@@ -210,6 +210,56 @@ TEST(TileCodec, ForeignBytesAndVersionsGetOneClearLine) {
   EXPECT_EQ(decode_tile(*encode_tile(dense_tile(6), {}), {.edge_samples = 100}).error().code, ErrorCode::kLimitExceeded);
 }
 
+TEST(TileCodec, BeyondTheParallaxLimitThereIsNoDepth) {
+  Tile tile = dense_tile(8);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> far(0.0f, 0.99f * tile.disparity_tolerance);
+  // The left part, cut off from the rest at a node's border, is farther away than the cell can tell.
+  constexpr int kBorder = 32;
+  for (int y = 0; y < kTileSamples; ++y) {
+    for (int x = 0; x < kBorder; ++x) tile.disparity[static_cast<std::size_t>(y) * kTileSamples + x] = far(random);
+    tile.cut_right[static_cast<std::size_t>(y) * kTileSamples + kBorder - 1] = 1;
+  }
+  const Tile decoded = *decode_tile(*encode_tile(tile, {}));
+  expect_same(tile, decoded);
+  for (int y = 0; y < kTileSamples; ++y)
+    for (int x = 0; x < kBorder; ++x) ASSERT_FLOAT_EQ(decoded.disparity[static_cast<std::size_t>(y) * kTileSamples + x], 0.0f) << x << ", " << y;
+}
+
+TEST(TileCodec, DepthBeyondTheParallaxLimitCostsNothing) {
+  // A slanted surface from half the tolerance to almost all of it, then from there to twice as much.
+  const auto disparity_bytes = [](float first, float last) {
+    Tile tile = dense_tile(9);
+    std::fill(tile.coverage.begin(), tile.coverage.end(), 1);
+    std::fill(tile.cut_right.begin(), tile.cut_right.end(), 0), std::fill(tile.cut_down.begin(), tile.cut_down.end(), 0);
+    for (std::size_t i = 0; i < tile.samples(); ++i)
+      tile.disparity[i] = tile.disparity_tolerance * (first + (last - first) * static_cast<float>(i % kTileSamples) / kTileSamples);
+    TileBytes bytes;
+    EXPECT_TRUE(encode_tile(tile, {}, &bytes));
+    return bytes.disparity;
+  };
+  EXPECT_LE(disparity_bytes(0.5f, 0.99f), 8u);
+  EXPECT_GT(disparity_bytes(1.0f, 2.0f), disparity_bytes(0.5f, 0.99f));
+}
+
+TEST(TileCodec, ContentIsWhatIsShownWhateverTheCell) {
+  const auto content = [](const Tile& tile) {
+    TileBytes bytes;
+    EXPECT_TRUE(encode_tile(tile, {}, &bytes));
+    return bytes.content;
+  };
+  const Tile tile = dense_tile(7);
+  Tile elsewhere = tile, turned = tile, repainted = tile, nearer = tile;
+  elsewhere.id.cell.x += 1, elsewhere.certificate.void_worst_sr *= 2;
+  turned.id.face = 3;
+  for (std::uint8_t& c : repainted.rgb) c = static_cast<std::uint8_t>(c / 2);
+  nearer.disparity[0] *= 1.1f;
+  EXPECT_EQ(content(elsewhere), content(tile));
+  EXPECT_NE(content(turned), content(tile)) << "shown in another direction";
+  EXPECT_NE(content(repainted), content(tile));
+  EXPECT_NE(content(nearer), content(tile));
+}
+
 TEST(TileCodec, InspectAgreesWithTheEncoder) {
   TileBytes written;
   const Bytes encoded = *encode_tile(dense_tile(7), {}, &written);
