@@ -45,6 +45,10 @@ void write_metrics(PrometheusText& out, const SessionMetrics& m) {
   out.counter("farfield_payloads_total", kSent, number(m.payloads_texture), {"kind", "texture"});
   out.counter("farfield_payload_bytes_total", "Encoded bytes of payloads sent.", number(m.payload_bytes));
   out.counter("farfield_payloads_held_total", "Payloads of leaf sets not sent: the client held them.", number(m.payloads_held));
+  out.counter("farfield_tiles_held_total", "Of these, tiles: of shells that neighbouring leaves share.", number(m.tiles_held));
+  out.counter("farfield_payload_bytes_held_total", "Encoded bytes of these payloads.", number(m.payload_bytes_held));
+  out.counter("farfield_leaves_blocked_ahead_total", "Leaves on predicted paths not made: nobody can stand in them.",
+              number(m.leaves_blocked_ahead));
   out.counter("farfield_payloads_stale_total", "Payloads withdrawn before they were sent.", number(m.payloads_stale));
   out.counter("farfield_payloads_failed_total", "Payloads that could not be made when asked for.", number(m.payloads_failed));
 }
@@ -81,10 +85,28 @@ void write_metrics(PrometheusText& out, std::span<const std::shared_ptr<Measured
   count("farfield_tile_flights_cancelled_total", "Tiles given up: nobody wanted them any more.", [](Statistics s) { return s.tile_flights.cancelled; });
   count("farfield_leaf_plans_total", "Leaf plans begun to be made.", [](Statistics s) { return s.plan_flights.begun; });
   count("farfield_tiles_empty_total", "Tiles that held nothing and were not sent.", [](Statistics s) { return s.skipped.empty_tiles; });
+  count("farfield_tiles_unseen_total", "Tiles not made: nothing of them can be seen from the leaf planned.", [](Statistics s) { return s.left_out.tiles_unseen; });
+  count("farfield_tiles_too_small_total", "Tiles not made: too little of them can be seen from the leaf planned.",
+        [](Statistics s) { return s.left_out.tiles_too_small; });
+  count("farfield_delta_views_unneeded_total", "Delta views allowed and not made: voids were below the target.",
+        [](Statistics s) { return s.left_out.delta_views_unneeded; });
+  count("farfield_chunks_facing_away_total", "Chunks of near regions not sent: they face away from all of the leaf.",
+        [](Statistics s) { return s.left_out.chunks_facing_away; });
+  count("farfield_chunks_unseen_total", "Chunks of near regions not sent: no ray from the leaf reaches them.",
+        [](Statistics s) { return s.left_out.chunks_unseen; });
+  count("farfield_triangles_unseen_total", "Triangles of all these chunks.", [](Statistics s) { return s.left_out.triangles_unseen; });
+  count("farfield_cells_blocked_total", "Leaves planned in which nobody can stand: one view each.", [](Statistics s) { return s.left_out.blocked_cells; });
   count("farfield_samples_coloured_once_total", "Samples coloured from one ray: more would have changed nothing.", [](Statistics s) { return s.skipped.samples_coloured_once; });
   count("farfield_samples_hidden_total", "Samples not cast: nobody in their leaf can see them.", [](Statistics s) { return s.skipped.hidden_samples; });
   count("farfield_delta_blocks_not_cast_total", "Blocks of delta views not cast: earlier views hold them.",
         [](Statistics s) { return s.skipped.delta_blocks_not_cast; });
+  count("farfield_delta_blocks_hidden_total", "Blocks of delta views not probed: nobody in their leaf can see them.",
+        [](Statistics s) { return s.skipped.delta_blocks_hidden; });
+  count("farfield_samples_without_depth_total", "Samples coded without depth: parallax within their cell stays below the tolerance.",
+        [](Statistics s) { return s.skipped.samples_without_depth; });
+  count("farfield_tiles_identical_total", "Tiles that show what another cell's tile shows; each is sent under its own name.",
+        [](Statistics s) { return s.skipped.identical_tiles; });
+  count("farfield_tile_bytes_identical_total", "Encoded bytes of these tiles.", [](Statistics s) { return s.skipped.identical_bytes; });
   count("farfield_delta_samples_held_total", "Samples of delta views not kept: earlier views hold them.",
         [](Statistics s) { return s.skipped.delta_samples_held; });
   per_scene([&](Statistics s, MetricLabel scene) { out.histogram("farfield_tile_seconds", "Thread seconds per tile made.", s.tile_seconds, scene); });

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/visibility/standpoints.h"
+
 namespace farfield {
 namespace {
 
@@ -61,15 +63,24 @@ std::size_t CellTree::triangles_of(const std::vector<std::uint32_t>& chunks) con
   return sum;
 }
 
+std::shared_ptr<CellTree::Verdict> CellTree::verdict_on(const CellId& cell) {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<Verdict>& slot = verdicts_[cell];
+  if (!slot) slot = std::make_shared<Verdict>();
+  return slot;
+}
+
+Result<bool> CellTree::can_stand_in(const CellId& leaf, const CancelFlag& cancel) {
+  if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
+  const std::shared_ptr<Verdict> verdict = verdict_on(leaf);
+  const std::lock_guard lock(verdict->mutex);
+  if (!verdict->can_stand) verdict->can_stand = !find_standpoints(*scene_, shells_.grid.box(leaf)).all_blocked;
+  return *verdict->can_stand;
+}
+
 Result<CellTree::Kind> CellTree::classify(const CellId& cell, const CancelFlag& cancel) {
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
-  std::shared_ptr<Verdict> verdict;
-  {
-    const std::lock_guard lock(mutex_);
-    std::shared_ptr<Verdict>& slot = verdicts_[cell];
-    if (!slot) slot = std::make_shared<Verdict>();
-    verdict = slot;
-  }
+  const std::shared_ptr<Verdict> verdict = verdict_on(cell);
   // Every viewer nearby needs this answer: it is found once, and a search that has begun is not thrown away.
   const std::lock_guard lock(verdict->mutex);
   if (!verdict->kind) verdict->kind = decide(cell);

@@ -39,6 +39,9 @@ class CellTree {
   /// Whether a cell is a leaf of the tree. Requires: it holds a leaf or is one. Errors: kCancelled.
   Result<bool> is_leaf(const CellId& cell, const CancelFlag& cancel);
 
+  /// Whether a leaf holds a free place (find_standpoints). Remembered. Requires: a leaf. Errors: kCancelled.
+  Result<bool> can_stand_in(const CellId& leaf, const CancelFlag& cancel);
+
   /// What can be seen from a leaf, at full density. Remembers the last few. Errors: kCancelled.
   Result<std::shared_ptr<const BoxVisibility>> visibility(const CellId& cell, const CancelFlag& cancel);
 
@@ -49,7 +52,9 @@ class CellTree {
   struct Verdict {
     std::mutex mutex;
     std::optional<Kind> kind;
+    std::optional<bool> can_stand;
   };
+  std::shared_ptr<Verdict> verdict_on(const CellId& cell);
   /// Remembers the answer, whoever asked; callers that meet wait for each other. Errors: kCancelled, before it began.
   Result<Kind> classify(const CellId& cell, const CancelFlag& cancel);
   Kind decide(const CellId& cell);

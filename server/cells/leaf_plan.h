@@ -13,6 +13,7 @@
 #include "common/impostor/direction_mask.h"
 #include "common/impostor/enclosure_mask.h"
 #include "common/impostor/tile_id.h"
+#include "server/cells/leaf_skips.h"
 
 namespace farfield {
 
@@ -32,6 +33,8 @@ struct LeafPlan {
   bool background_visible = false;      // some ray from the leaf escapes the scene …
   DirectionMask sky;                    // … in these directions
   double seconds = 0;                   // thread seconds spent on visibility
+  LeafSkips skips;                      // of the whole leaf; of its enclosures' plans nothing is counted
+  int delta_views = -1;                 // of the leaf's own shell; -1: nothing is seen in it, and no views were chosen
   EnclosureMask enclosure;              // where in the leaf a viewer may stand for this plan: as a rule anywhere
   /// Where walls divide the leaf, what viewers need in each of its enclosures: a part of what this plan lists. Empty else.
   std::vector<std::shared_ptr<const LeafPlan>> enclosures;
@@ -68,11 +71,18 @@ class LeafSource {
   virtual ~LeafSource() = default;
   /// The leaf that holds a viewpoint (scene frame). Errors: kCancelled.
   virtual Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) = 0;
+  /// Whether somebody can stand in the leaf, as far as a lattice of places tells: a prediction that ends in a wall or in the
+  /// ground is not worth planning for. Requires: `leaf` came from leaf_at. Some ten thousand rays, once. Errors: kCancelled.
+  virtual Result<bool> can_stand_in(const CellId& leaf, const CancelFlag& cancel) {
+    static_cast<void>(leaf), static_cast<void>(cancel);
+    return true;
+  }
   /// The plan of the whole leaf, with those of its enclosures. Requires: `leaf` came from leaf_at. Errors: kCancelled.
   virtual Result<std::shared_ptr<const LeafPlan>> plan(const CellId& leaf, const CancelFlag& cancel) = 0;
   /// The fallback view for a viewpoint: everything beyond a cell's fallback_region(), and the geometry in it. Needs no leaf:
   /// some six thousand rays.
   virtual std::shared_ptr<const LeafPlan> fallback(const glm::dvec3& viewpoint) = 0;
+  virtual PlanSkips skips() const { return {}; }
 };
 
 }  // namespace farfield

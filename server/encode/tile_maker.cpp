@@ -16,6 +16,23 @@ constexpr int kDeltaQualityDrop = 16;
 // A fallback view is shown for moments, at a quarter of the samples.
 constexpr int kFallbackQualityDrop = 25;
 
+// Of a delta tile, the blocks that nobody can see.
+std::size_t hidden_blocks(const VisibleBlocks& visible, const TileId& id, int edge_samples) {
+  const int blocks = (edge_samples + kBlockSamples - 1) / kBlockSamples;
+  const auto end = [&](int first) { return std::min((first + 1) * kRegionBlocks, blocks); };
+  std::size_t hidden = 0;
+  for (int y = id.y * kRegionBlocks; y < end(id.y); ++y)
+    for (int x = id.x * kRegionBlocks; x < end(id.x); ++x) hidden += !visible.contains(id.face, x * kBlockSamples, y * kBlockSamples);
+  return hidden;
+}
+
+// Samples that look the same from everywhere in the cell, up to the tolerance, wherever beyond they are.
+std::size_t samples_without_depth(const Tile& tile) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; at < tile.samples(); ++at) count += tile.coverage[at] && tile.disparity[at] <= tile.disparity_tolerance;
+  return count;
+}
+
 }  // namespace
 
 int TileMaker::quality_of(const TileId& id) const {
@@ -29,11 +46,18 @@ TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTre
       fallback_gain_(warp_gain(glm::dvec3(0), NestedShells::kFallbackKappa)) {}
 
 Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWork& work) {
+  TileSkips skips;
+  return cast_counted(id, cancel, work, skips);
+}
+
+Result<Tile> TileMaker::cast_counted(const TileId& id, const CancelFlag& cancel, TileWork& work, TileSkips& skips) {
   if (id.view == kFallbackView) {
     const CellSpace space = CellSpace::of_fallback(shells_, id.cell);
     const int edge = face_samples(std::max(1, settings_.face_tiles / 4));
     const double tolerance = settings_.tau_px * settings_.display.pixel_pitch() / fallback_gain_;
-    return cast_dense_tile(*scene_, space, space.box.center(), id, edge, fallback_gain_, tolerance, nullptr, work);
+    Tile tile = cast_dense_tile(*scene_, space, space.box.center(), id, edge, fallback_gain_, tolerance, nullptr, work);
+    skips.samples_coloured_once = work.samples_coloured_once;
+    return tile;
   }
   const auto views = catalogue_->views(id.cell, cancel);
   if (!views) return tl::unexpected(views.error());
@@ -52,14 +76,16 @@ Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWor
   }
   Tile tile;
   if (id.is_delta()) {
-    DeltaSkips skips;
-    tile = cast_delta_tile(*scene_, space, positions, id, settings_, gain, tolerance, visible.get(), work, skips);
-    blocks_not_cast_ += skips.blocks_probed - skips.blocks_cast, samples_held_ += skips.samples_held;
+    DeltaSkips delta;
+    tile = cast_delta_tile(*scene_, space, positions, id, settings_, gain, tolerance, visible.get(), work, delta);
+    skips.delta_blocks_hidden = visible ? hidden_blocks(*visible, id, tile.edge_samples) : 0;
+    skips.delta_blocks_not_cast = delta.blocks_probed - delta.blocks_cast - skips.delta_blocks_hidden;
+    skips.delta_samples_held = delta.samples_held;
   } else {
     tile = cast_dense_tile(*scene_, space, positions[0], id, settings_.edge_samples(), gain, tolerance, visible.get(), work);
-    hidden_samples_ += tile.samples() - work.rays;
+    skips.hidden_samples = tile.samples() - work.rays;
   }
-  coloured_once_ += work.samples_coloured_once;
+  skips.samples_coloured_once = work.samples_coloured_once;
   tile.certificate = {static_cast<float>((*views)->void_worst_sr), static_cast<float>((*views)->void_mean_sr), -1.0f,
                       static_cast<float>(settings_.tau_px)};
   return tile;
@@ -98,17 +124,25 @@ Result<std::shared_ptr<const std::vector<glm::vec3>>> TileMaker::seen_in_shell(c
   return made;
 }
 
+bool TileMaker::is_known(ContentHash content, const CellId& cell) {
+  constexpr std::size_t kMostContents = 65536;  // some 40 bytes each; beyond, counting begins anew
+  const std::lock_guard lock(mutex_);
+  if (shown_.size() >= kMostContents) shown_.clear();
+  return shown_.try_emplace(content, cell).first->second != cell;
+}
+
 Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, const CancelFlag& cancel) {
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
   const double start = thread_seconds();
   TileWork work;
-  const Result<Tile> tile = cast(id, cancel, work);
-  if (!tile) return tl::unexpected(tile.error());
   auto result = std::make_shared<EncodedTile>();
+  const Result<Tile> tile = cast_counted(id, cancel, work, result->skips);
+  if (!tile) return tl::unexpected(tile.error());
+  result->rays = static_cast<std::uint32_t>(work.rays);
   result->intra_seconds = id.view == kIntraView ? work.intra_seconds : 0;
   const bool is_empty = std::find(tile->coverage.begin(), tile->coverage.end(), 1) == tile->coverage.end();
   if (is_empty) {
-    ++empty_tiles_;
+    result->skips.empty_tiles = 1;
     result->bytes = std::make_shared<const Bytes>();
   } else {
     TileBytes bytes;
@@ -117,11 +151,15 @@ Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, con
     result->hash = hash_bytes(*encoded);
     result->bytes = std::make_shared<const Bytes>(std::move(*encoded));
     result->covered_samples = bytes.covered_samples;
+    result->skips.samples_without_depth = samples_without_depth(*tile);
+    if (is_known(bytes.content, id.cell)) result->skips.identical_tiles = 1, result->skips.identical_bytes = result->bytes->size();
     result->colour_bytes = bytes.colour;
     result->disparity_bytes = bytes.disparity;
     result->other_bytes = bytes.topology + bytes.other;
   }
   result->seconds = thread_seconds() - start;
+  const std::lock_guard lock(mutex_);
+  skipped_ += result->skips;
   return std::shared_ptr<const EncodedTile>(result);
 }
 
@@ -137,9 +175,9 @@ ImpostorSources make_impostor_sources(std::shared_ptr<const Scene> scene, const 
   const NestedShells shells{CellGrid{settings.finest_side_m}, settings.kappa};
   ImpostorSources sources;
   sources.tree = std::make_shared<CellTree>(scene, shells, settings.near_triangles);
-  auto catalogue = std::make_shared<ViewCatalogue>(scene, sources.tree, shells, settings);
-  sources.leaves = std::make_shared<LeafPlanner>(scene, sources.tree, catalogue, shells, settings);
-  sources.tiles = std::make_shared<TileMaker>(scene, sources.tree, catalogue, shells, settings);
+  sources.views = std::make_shared<ViewCatalogue>(scene, sources.tree, shells, settings);
+  sources.leaves = std::make_shared<LeafPlanner>(scene, sources.tree, sources.views, shells, settings);
+  sources.tiles = std::make_shared<TileMaker>(scene, sources.tree, sources.views, shells, settings);
   return sources;
 }
 

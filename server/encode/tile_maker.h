@@ -2,10 +2,10 @@
 // Makes and encodes tiles: the TileSource of a scene.
 #pragma once
 
-#include <atomic>
 #include <list>
 #include <memory>
 #include <mutex>
+#include <unordered_map>
 
 #include "server/encode/tile_source.h"
 #include "server/impostor/delta_tile.h"
@@ -23,7 +23,8 @@ class TileMaker : public TileSource {
   /// The tile before encoding: for tests and for comparing with truth.
   Result<Tile> cast(const TileId& id, const CancelFlag& cancel, TileWork& work);
   TileSkips skips() const override {
-    return {.empty_tiles = empty_tiles_, .samples_coloured_once = coloured_once_, .hidden_samples = hidden_samples_, .delta_blocks_not_cast = blocks_not_cast_, .delta_samples_held = samples_held_};
+    const std::lock_guard lock(mutex_);
+    return skipped_;
   }
 
  private:
@@ -32,6 +33,7 @@ class TileMaker : public TileSource {
   const NestedShells shells_;
   const ImpostorSettings settings_;
   int quality_of(const TileId& id) const;
+  Result<Tile> cast_counted(const TileId& id, const CancelFlag& cancel, TileWork& work, TileSkips& skips);
   Result<std::shared_ptr<const VisibleBlocks>> visible_blocks(const CellSpace& space, const glm::dvec3& position, int view,
                                                               const CancelFlag& cancel);
   /// Points in a leaf's own shell that were seen from it: for all of its views.
@@ -39,8 +41,12 @@ class TileMaker : public TileSource {
 
   const std::shared_ptr<CellTree> tree_;
   const double fallback_gain_;
-  std::atomic<std::uint64_t> empty_tiles_{0}, hidden_samples_{0}, coloured_once_{0}, blocks_not_cast_{0}, samples_held_{0};
-  std::mutex mutex_;  // guards what follows
+  /// Notes what a tile shows. Returns: whether that of another cell showed the same.
+  bool is_known(ContentHash content, const CellId& cell);
+
+  mutable std::mutex mutex_;  // guards what follows
+  TileSkips skipped_;
+  std::unordered_map<ContentHash, CellId> shown_;  // by content, the cell whose tile showed it first
   std::list<std::pair<std::pair<CellId, int>, std::shared_ptr<const VisibleBlocks>>> recent_;  // of leaves' views, newest first
   std::list<std::pair<CellId, std::shared_ptr<const std::vector<glm::vec3>>>> recent_points_;
 };
@@ -48,6 +54,7 @@ class TileMaker : public TileSource {
 /// A leaf source and a tile source that share the tree and the views of one scene.
 struct ImpostorSources {
   std::shared_ptr<CellTree> tree;
+  std::shared_ptr<ViewCatalogue> views;
   std::shared_ptr<LeafPlanner> leaves;
   std::shared_ptr<TileMaker> tiles;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "common/base/thread_clock.h"
 #include "common/cells/sampling.h"
@@ -25,6 +26,13 @@ TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, c
   const auto place = [&](double index) { return static_cast<std::uint8_t>(std::clamp(static_cast<int>(index) / step, 0, count - 1)); };
   id.x = place(i), id.y = place(j);
   return id;
+}
+
+// The tiles and regions of a shell's first `views` views.
+std::uint64_t tiles_of(const ImpostorSettings& settings, std::size_t views) {
+  const auto square = [](int edge) { return static_cast<std::uint64_t>(kCubeFaces) * edge * edge; };
+  const std::uint64_t delta = square(face_regions(settings.edge_samples(1)));
+  return square(face_tiles(settings.edge_samples(kIntraView))) + (views - 1) * delta;
 }
 
 // Tiles of which less is seen than this, as a share of the sphere, are not worth their bytes: a delta tile takes about half
@@ -56,6 +64,15 @@ class ShellNeeds {
         mark(static_cast<int>(view), hit);
       });
     waiting_.clear();
+  }
+  int delta_views() const { return static_cast<int>(views_->positions.size()) - 1; }
+  /// What the whole leaf needs none of.
+  void count_skips(LeafSkips& skips) const {
+    std::set<TileId> seen;
+    for (const auto& of_enclosure : seen_)
+      for (const auto& [id, solid_angle] : of_enclosure) seen.insert(id);
+    skips.tiles_unseen += tiles_of(settings_, views_->positions.size()) - seen.size();
+    for (const TileId& id : seen) skips.tiles_too_small += !is_worth_sending(id);
   }
   /// What the viewpoints of one enclosure need, or (kWhole) all of them together.
   static constexpr int kWhole = -1;
@@ -127,6 +144,8 @@ Result<CellId> LeafPlanner::leaf_at(const glm::dvec3& viewpoint, const CancelFla
   return tree_->leaf_at(viewpoint, cancel);
 }
 
+Result<bool> LeafPlanner::can_stand_in(const CellId& leaf, const CancelFlag& cancel) { return tree_->can_stand_in(leaf, cancel); }
+
 void LeafPlanner::sort_chunks(LeafPlan& plan) const {
   const glm::dvec3 center = shells_.grid.box(plan.leaf).center();
   const auto distance = [&](std::uint32_t chunk) {
@@ -146,6 +165,23 @@ void LeafPlanner::list_near(LeafPlan& plan, const Sight& sight) const {
   plan.exceeds_budget = sight.near_triangles > settings_.near_triangles;
   plan.background_visible = sight.escapes;
   plan.sky = sight.sky;
+}
+
+void LeafPlanner::count_unseen_chunks(LeafPlan& plan) const {
+  std::vector<std::uint32_t> listed = plan.chunks;
+  std::sort(listed.begin(), listed.end());
+  const Box cell = shells_.grid.box(plan.leaf);
+  for (const std::uint32_t chunk : scene_->chunks_in(shells_.near_region(plan.leaf))) {
+    if (std::binary_search(listed.begin(), listed.end(), chunk)) continue;
+    const SceneChunk& skipped = scene_->chunks()[chunk];
+    ++(faces_away(skipped, cell) ? plan.skips.chunks_facing_away : plan.skips.chunks_unseen);
+    plan.skips.triangles_unseen += skipped.triangles;
+  }
+}
+
+PlanSkips LeafPlanner::skips() const {
+  const std::lock_guard lock(mutex_);
+  return {skipped_, catalogue_->delta_views_unneeded()};
 }
 
 std::shared_ptr<const LeafPlan> LeafPlanner::fallback(const glm::dvec3& viewpoint) {
@@ -183,6 +219,8 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
   // A leaf beside the scene's root: climb until one ancestor's near region holds the scene.
   while (plan->root.level < kMaxCellLevel && !shells_.near_region(plan->root).contains(scene_->bounds())) plan->root = plan->root.parent();
   list_near(*plan, seen);
+  count_unseen_chunks(*plan);
+  plan->skips.blocked_cells = seen.is_blocked;
 
   std::vector<std::unique_ptr<ShellNeeds>> shells(plan->root.level + 1);
   for (const FarHit& hit : seen.far_hits) {
@@ -196,10 +234,16 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
     }
     shells[level]->add(hit);
   }
-  for (const auto& shell : shells) {
-    if (!shell) continue;
+  for (std::size_t level = leaf.level; level < shells.size(); ++level) {
+    ShellNeeds* const shell = shells[level].get();
+    if (!shell) {
+      plan->skips.tiles_unseen += tiles_of(settings_, 1);
+      continue;
+    }
     shell->ask_delta_views();
     shell->list(ShellNeeds::kWhole, plan->tiles);
+    shell->count_skips(plan->skips);
+    if (level == leaf.level) plan->delta_views = shell->delta_views();
   }
   for (std::size_t e = 0; e < seen.enclosures.size(); ++e) {
     const EnclosureVisibility& here = seen.enclosures[e];
@@ -214,6 +258,8 @@ Result<std::shared_ptr<const LeafPlan>> LeafPlanner::plan(const CellId& leaf, co
   }
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
   plan->seconds = thread_seconds() - start;
+  const std::lock_guard lock(mutex_);
+  skipped_ += plan->skips;
   return std::shared_ptr<const LeafPlan>(plan);
 }
 

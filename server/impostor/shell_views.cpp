@@ -116,6 +116,7 @@ ShellViews choose_views(const Scene& scene, const CellSpace& space, const Impost
   const double target = settings.void_target * 4 * 3.14159265358979323846;
   // Nobody can stand in the cell: one view is enough for whoever flies through.
   const int limit = stand.all_blocked ? 0 : std::min<int>(settings.delta_views * (is_inner ? 2 : 1), kMaxDeltaViews);
+  result.delta_views_allowed = limit;
   while (static_cast<int>(result.positions.size()) <= limit && !(cancel && cancel->load())) {
     if (result.positions.size() == 3)  // enough sites for a diagram worth having, and cheap enough to try its vertices
       for (const glm::dvec3& vertex : voronoi_vertices(search.views(), space.box))

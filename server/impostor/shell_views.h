@@ -19,6 +19,7 @@ struct ShellViews {
   double void_worst_sr = 0;            // left after all views, at the worst candidate
   double void_mean_sr = 0;
   double first_void_sr = 0;            // worst before any delta view
+  int delta_views_allowed = 0;
 };
 
 /// How hard to look for voids. A leaf's viewers stand within its side of each other; an inner cell is as wide as the things

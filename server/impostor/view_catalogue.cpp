@@ -21,6 +21,7 @@ Result<std::shared_ptr<const ShellViews>> ViewCatalogue::views(const CellId& cel
   auto made = std::make_shared<ShellViews>(
       choose_views(*scene_, CellSpace::of_shell(shells_, cell, root_), settings_, width, cancel.get()));
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
+  delta_views_unneeded_ += static_cast<std::uint64_t>(made->delta_views_allowed) + 1 - made->positions.size();
   entry->views = made;
   return entry->views;
 }

@@ -2,6 +2,7 @@
 // The views of every shell asked for so far, each chosen once.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <unordered_map>
@@ -21,6 +22,8 @@ class ViewCatalogue {
 
   /// Errors: kCancelled. Casts some hundred thousand rays the first time; callers that meet wait for each other.
   Result<std::shared_ptr<const ShellViews>> views(const CellId& cell, const CancelFlag& cancel);
+  /// Delta views that were allowed and not chosen, over all shells so far: they would have added less than the target.
+  std::uint64_t delta_views_unneeded() const { return delta_views_unneeded_; }
 
  private:
   struct Entry {
@@ -32,6 +35,7 @@ class ViewCatalogue {
   const NestedShells shells_;
   const ImpostorSettings settings_;
   const CellId root_;
+  std::atomic<std::uint64_t> delta_views_unneeded_{0};
   std::mutex mutex_;  // guards entries_, not what they point to
   std::unordered_map<CellId, std::shared_ptr<Entry>> entries_;
 };

@@ -106,7 +106,8 @@ class CellService {
   /// Requires: texture came from chunk_placement().
   virtual SceneTexture texture(std::uint32_t texture) const = 0;
 
-  /// The plan of the leaf that holds `viewpoint`. Errors: kCancelled, kUnavailable (overload).
+  /// The plan of the leaf that holds `viewpoint`. Errors: kCancelled, kUnavailable (overload); with a prefetch priority
+  /// kNotFound, where nobody can stand in that leaf: who comes there after all asks again.
   [[nodiscard]] virtual Ticket leaf(const glm::dvec3& viewpoint, const WorkPriority& priority,
                                     Answer<std::shared_ptr<const LeafPlan>> answer) = 0;
   /// The fallback view around `viewpoint`: LeafPlan::is_fallback. Errors: kCancelled, kUnavailable (overload).

@@ -35,6 +35,8 @@ void CellStatisticsRecorder::add_tile(const TileId& id, const EncodedTile& tile)
   record->colour_bytes += tile.colour_bytes;
   record->disparity_bytes += tile.disparity_bytes;
   record->other_bytes += tile.other_bytes;
+  record->rays += tile.rays;
+  record->skipped += tile.skips;
 }
 
 void CellStatisticsRecorder::add_plan(const LeafPlan& plan) {
@@ -42,6 +44,11 @@ void CellStatisticsRecorder::add_plan(const LeafPlan& plan) {
   if (CellStatistics* record = record_of(plan.leaf)) {
     record->is_leaf = true;
     record->visibility_seconds += plan.seconds;
+    record->listed_tiles = static_cast<std::uint32_t>(plan.tiles.size());
+    record->chunks = static_cast<std::uint32_t>(plan.chunks.size());
+    record->near_triangles = plan.near_triangles;
+    record->delta_views = plan.delta_views;
+    record->left_out = plan.skips;
   }
 }
 

@@ -27,7 +27,13 @@ struct CellStatistics {
   std::uint32_t tiles = 0;        // not empty, fallback view left out
   std::uint32_t empty_tiles = 0;  // made, and found to hold nothing
   std::uint64_t covered_samples = 0;
+  std::uint64_t rays = 0;         // EncodedTile::rays
   std::uint64_t bytes = 0, colour_bytes = 0, disparity_bytes = 0, other_bytes = 0;
+  TileSkips skipped;              // of its tiles
+  // Of leaves, as last planned:
+  std::uint32_t listed_tiles = 0, chunks = 0, near_triangles = 0;
+  int delta_views = -1;
+  LeafSkips left_out;
 };
 
 /// Thread-safe.

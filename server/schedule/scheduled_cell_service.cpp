@@ -9,8 +9,12 @@ namespace farfield {
 namespace {
 
 // A leaf request waits twice: for the name of its leaf, then for the leaf's plan.
+struct LeafName {
+  CellId leaf;
+  bool is_blocked = false;  // nobody can stand in it; found out only for those who are expected there
+};
 struct LeafRequest {
-  using NameFlight = SingleFlight<CellId, CellId, JobQueue>;
+  using NameFlight = SingleFlight<CellId, LeafName, JobQueue>;
   using PlanFlight = SingleFlight<CellId, SharedPlan, JobQueue>;
 
   std::mutex mutex;  // guards everything below
@@ -61,16 +65,18 @@ class ScheduledCellService final : public MeasuredCellService {
       if (whole) *whole = plan_at(*whole, grid_, viewpoint);
       answer(std::move(whole));
     };
-    auto named = [this, request, priority, asked_s = clock_(), answer = std::move(at_viewpoint)](Result<CellId> leaf) {
-      if (!leaf) {
-        answer(tl::unexpected<Error>(std::move(leaf.error())));
+    auto named = [this, request, priority, asked_s = clock_(), answer = std::move(at_viewpoint)](Result<LeafName> name) {
+      if (!name) {
+        answer(tl::unexpected<Error>(std::move(name.error())));
+      } else if (priority.prefetch && name->is_blocked) {
+        answer(fail(ErrorCode::kNotFound, "nobody can stand in the leaf ahead"));
       } else {
-        plan(*leaf, request, later(priority, clock_() - asked_s), answer);
+        plan(name->leaf, request, later(priority, clock_() - asked_s), answer);
       }
     };
     const auto name = leaf_names_.join(
         finest, priority,
-        [this, viewpoint](const CancelFlag& cancel) { return parts_.leaves->leaf_at(viewpoint, cancel); },
+        [this, viewpoint, is_ahead = priority.prefetch](const CancelFlag& cancel) { return name_leaf(viewpoint, is_ahead, cancel); },
         std::move(named));
     return Ticket([this, finest, name, request] {
       leaf_names_.withdraw(finest, name);
@@ -143,11 +149,21 @@ class ScheduledCellService final : public MeasuredCellService {
             .tile_flights = tiles_.statistics(),
             .geometry_flights = geometry_.statistics(),
             .tile_seconds = recorder_.tile_seconds(),
-            .skipped = parts_.tiles->skips()};
+            .skipped = parts_.tiles->skips(),
+            .left_out = parts_.leaves->skips()};
   }
   std::vector<CellStatistics> cell_statistics() const override { return recorder_.cells(); }
 
  private:
+  Result<LeafName> name_leaf(const glm::dvec3& viewpoint, bool is_ahead, const CancelFlag& cancel) {
+    const Result<CellId> leaf = parts_.leaves->leaf_at(viewpoint, cancel);
+    if (!leaf) return tl::unexpected(leaf.error());
+    if (!is_ahead || plan_cache_.peek(*leaf)) return LeafName{*leaf};
+    const Result<bool> can_stand = parts_.leaves->can_stand_in(*leaf, cancel);
+    if (!can_stand) return tl::unexpected(can_stand.error());
+    return LeafName{*leaf, !*can_stand};
+  }
+
   static constexpr std::uint64_t kTextureKeys = std::uint64_t{1} << 63;  // chunks are keyed by their index alone
 
   // The second half of a leaf request: no ticket of its own, the request's withdraws it.

@@ -39,6 +39,7 @@ struct CellServiceStatistics {
   FlightStatistics leaf_flights, plan_flights, tile_flights, geometry_flights;
   DurationHistogram tile_seconds;  // thread seconds per tile made
   TileSkips skipped;
+  PlanSkips left_out;
 };
 
 /// A cell service that also tells what it did.

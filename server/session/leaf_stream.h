@@ -58,6 +58,20 @@ class LeafStream {
     for (const PayloadItem& item : items_) count += held.contains(item.key) ? 1 : 0;
     return count;
   }
+  /// What a manifest does not cause to be sent.
+  struct HeldCount {
+    std::size_t payloads = 0, tiles = 0, bytes = 0;
+  };
+  HeldCount held_already(const HeldSet& held) const {
+    HeldCount count;
+    for (const PayloadItem& item : items_) {
+      if (!held.contains(item.key)) continue;
+      ++count.payloads;
+      count.tiles += item.kind == PayloadItem::Kind::kTile;
+      count.bytes += held.bytes(item.key);
+    }
+    return count;
+  }
 
   /// The client no longer holds these. Each item is sent again once: whoever evicts it a second time has no room for
   /// it. Returns: whether any belongs to this stream.

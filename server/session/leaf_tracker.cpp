@@ -116,8 +116,16 @@ void LeafTracker::receive(std::uint64_t number, LeafAnswer plan) {
   const auto ahead = std::find_if(ahead_.begin(), ahead_.end(), is_it);
   if (ahead == ahead_.end()) return;
   const double seconds = ahead->seconds_until_needed;
+  const CellId finest = ahead->finest;
   ahead_.erase(ahead);
-  if (plan) pump_->prefetch(std::move(*plan), seconds);
+  if (plan) {
+    pump_->prefetch(std::move(*plan), seconds);
+  } else if (plan.error().code == ErrorCode::kNotFound) {
+    ++metrics_.leaves_blocked_ahead;
+    blocked_.push_back(finest);
+    if (blocked_.size() > kBlockedKept) blocked_.pop_front();
+    ask_ahead();  // its place is free for a leaf beyond
+  }
 }
 
 void LeafTracker::receive_demanded(std::uint64_t number, LeafAnswer plan) {
@@ -166,6 +174,7 @@ void LeafTracker::ask_for(const PrefetchTarget& target) {
     return;
   }
   const CellId finest = grid_.cell_at(target.viewpoint, 0);
+  if (std::find(blocked_.begin(), blocked_.end(), finest) != blocked_.end()) return;
   const auto is_same = [&](const Question& question) { return question.finest == finest; };
   if (std::any_of(ahead_.begin(), ahead_.end(), is_same) || std::any_of(demanded_.begin(), demanded_.end(), is_same)) return;
   if (pump_->knows_ahead(target.viewpoint)) return;

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <asio/any_io_executor.hpp>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -84,6 +85,9 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
   std::uint64_t next_number_ = 1;
   std::vector<Question> demanded_, ahead_;  // oldest first
   std::optional<Question> fallback_;        // under way
+  /// Finest cells ahead in which nobody can stand, the last few found: not asked about again with every pose.
+  static constexpr std::size_t kBlockedKept = 32;
+  std::deque<CellId> blocked_;
   std::vector<PrefetchTarget> targets_;     // of the newest pose that had any
   bool is_stopped_ = false;
 };

@@ -81,7 +81,7 @@ bool PayloadPump::send(Pending& pending) {
   }
   frame.tag = pending.item.key;
   if (!parts_.connection->send(std::move(frame), pending.is_prefetch ? Lane::kPrefetch : Lane::kPayload)) return false;
-  held_.insert(pending.item.key);
+  held_.insert(pending.item.key, size);
   metrics.payload_bytes += size;
   LeafStream* stream = find_stream(pending.stream);
   if (pending.is_prefetch && stream) {

@@ -66,7 +66,9 @@ void PayloadPump::announce(LeafStream& stream) {
     ++parts_.metrics.leaf_sets_fallback;
     return;
   }
-  parts_.metrics.payloads_held += stream.count_held(held_);
+  const LeafStream::HeldCount held = stream.held_already(held_);
+  parts_.metrics.payloads_held += held.payloads, parts_.metrics.tiles_held += held.tiles;
+  parts_.metrics.payload_bytes_held += held.bytes;
   announced_.push_back({stream.serial, stream.plan, false});
   if (announced_.size() > kManifestsKept) announced_.pop_front();
 }

@@ -21,7 +21,10 @@ struct SessionMetrics {
   Counter leaf_sets_reused{0};         // entered, and announced before: no manifest sent
   Counter payloads_tile{0}, payloads_chunk{0}, payloads_texture{0}, payloads_empty_tile{0};
   Counter payload_bytes{0};
-  Counter payloads_held{0};            // needed and not sent, because the client holds them
+  Counter payloads_held{0};            // needed and not sent, because the client holds them: of an earlier leaf
+  Counter tiles_held{0};               // of these, tiles: of shells that neighbouring leaves share
+  Counter payload_bytes_held{0};       // of these payloads, as far as this connection has sent them
+  Counter leaves_blocked_ahead{0};     // on a predicted path, and not made: nobody can stand in them
   Counter payloads_stale{0};           // withdrawn before they were sent: the viewer went elsewhere
   Counter payloads_failed{0};          // the cell service could not make them
   Counter unknown_frames{0};           // of types this build does not know

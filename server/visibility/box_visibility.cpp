@@ -159,6 +159,7 @@ BoxVisibility probe_visibility(const Scene& scene, const Box& viewpoints, const 
                                const VisibilityProbe& settings) {
   BoxVisibility result;
   Standpoints stand = find_standpoints(scene, viewpoints);
+  result.is_blocked = stand.all_blocked;
   Probe probe(scene, viewpoints, near_box, settings, result);
   std::vector<int> enclosure_of(stand.points.size(), -1);
   const bool is_thorough = settings.is_thorough && !stand.all_blocked;

@@ -36,6 +36,7 @@ struct EnclosureVisibility : Sight {
 
 struct BoxVisibility : Sight {
   std::vector<FarHit> far_hits;
+  bool is_blocked = false;                      // nobody can stand in the box: looked at from its lattice alone
   bool is_converged = true;                     // fresh viewpoints hardly found anything new
   bool is_cut_short = false;                    // stopped: near_triangles passed `enough_triangles`, or cancelled
   std::vector<EnclosureVisibility> enclosures;  // none: all viewpoints share what they see. Of whole, thorough probes

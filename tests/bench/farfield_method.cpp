@@ -115,12 +115,22 @@ void add_cells(const Serving& serving, MethodResult& result) {
 }
 
 void add_skips(const Serving& serving, MethodResult& result) {
-  const TileSkips skips = serving.service->statistics().skipped;
-  result.skipped["empty_tiles"] = static_cast<double>(skips.empty_tiles);
-  result.skipped["samples_coloured_once"] = static_cast<double>(skips.samples_coloured_once);
-  result.skipped["hidden_samples"] = static_cast<double>(skips.hidden_samples);
-  result.skipped["delta_blocks_not_cast"] = static_cast<double>(skips.delta_blocks_not_cast);
-  result.skipped["delta_samples_held"] = static_cast<double>(skips.delta_samples_held);
+  const CellServiceStatistics statistics = serving.service->statistics();
+  const auto put = [&](const char* name, std::uint64_t count) { result.skipped[name] = static_cast<double>(count); };
+  const TileSkips& skips = statistics.skipped;
+  put("empty_tiles", skips.empty_tiles), put("samples_coloured_once", skips.samples_coloured_once);
+  put("hidden_samples", skips.hidden_samples), put("delta_blocks_hidden", skips.delta_blocks_hidden);
+  put("delta_blocks_not_cast", skips.delta_blocks_not_cast), put("delta_samples_held", skips.delta_samples_held);
+  put("samples_without_depth", skips.samples_without_depth);
+  put("identical_tiles", skips.identical_tiles), put("identical_bytes", skips.identical_bytes);
+  const PlanSkips& plans = statistics.left_out;
+  put("tiles_unseen", plans.tiles_unseen), put("tiles_too_small", plans.tiles_too_small);
+  put("delta_views_unneeded", plans.delta_views_unneeded), put("blocked_cells", plans.blocked_cells);
+  put("chunks_facing_away", plans.chunks_facing_away), put("chunks_unseen", plans.chunks_unseen);
+  put("triangles_unseen", plans.triangles_unseen);
+  const SessionMetrics& sessions = serving.server->metrics();
+  put("payloads_held", sessions.payloads_held), put("tiles_held", sessions.tiles_held);
+  put("payload_bytes_held", sessions.payload_bytes_held), put("leaves_blocked_ahead", sessions.leaves_blocked_ahead);
 }
 
 double number(const nlohmann::json& json, const char* key) { return json.value(key, kNone); }

@@ -78,11 +78,57 @@ TEST(PrometheusText, HistogramsAccumulate) {
   EXPECT_NE(out.text().find("h_seconds_count 4\n"), std::string::npos);
 }
 
+// A service that has skipped a different number of each thing.
+class SkippingService final : public MeasuredCellService {
+ public:
+  const SceneDescription& scene() const override { return scene_; }
+  PlacedSceneChunk chunk_placement(std::uint32_t) const override { return {}; }
+  SceneTexture texture(std::uint32_t) const override { return {}; }
+  Ticket leaf(const glm::dvec3&, const WorkPriority&, Answer<SharedPlan>) override { return {}; }
+  Ticket fallback(const glm::dvec3&, const WorkPriority&, Answer<SharedPlan>) override { return {}; }
+  Ticket tile(const TileId&, const WorkPriority&, Answer<SharedTile>) override { return {}; }
+  Ticket chunk(std::uint32_t, const WorkPriority&, Answer<SharedBytes>) override { return {}; }
+  Ticket texture_level(std::uint32_t, int, const WorkPriority&, Answer<SharedBytes>) override { return {}; }
+  std::vector<CellStatistics> cell_statistics() const override { return {}; }
+  CellServiceStatistics statistics() const override {
+    CellServiceStatistics s;
+    s.skipped = {.empty_tiles = 11, .samples_coloured_once = 12, .hidden_samples = 13, .delta_blocks_hidden = 14, .delta_blocks_not_cast = 15, .delta_samples_held = 16, .samples_without_depth = 17, .identical_tiles = 18, .identical_bytes = 19};
+    s.left_out.tiles_unseen = 21, s.left_out.tiles_too_small = 22, s.left_out.chunks_facing_away = 23, s.left_out.chunks_unseen = 24;
+    s.left_out.triangles_unseen = 25, s.left_out.blocked_cells = 26, s.left_out.delta_views_unneeded = 27;
+    return s;
+  }
+
+ private:
+  SceneDescription scene_{.name = "s"};
+};
+
+TEST(ServerMetrics, CountsWhatWasSkipped) {
+  PrometheusText out;
+  const std::vector<std::shared_ptr<MeasuredCellService>> services{std::make_shared<SkippingService>()};
+  write_metrics(out, services);
+  SessionMetrics metrics;
+  metrics.tiles_held = 31, metrics.payload_bytes_held = 32, metrics.leaves_blocked_ahead = 33;
+  write_metrics(out, metrics);
+  for (const char* line :
+       {"farfield_tiles_empty_total{scene=\"s\"} 11\n", "farfield_samples_coloured_once_total{scene=\"s\"} 12\n",
+        "farfield_samples_hidden_total{scene=\"s\"} 13\n", "farfield_delta_blocks_hidden_total{scene=\"s\"} 14\n",
+        "farfield_delta_blocks_not_cast_total{scene=\"s\"} 15\n", "farfield_delta_samples_held_total{scene=\"s\"} 16\n",
+        "farfield_samples_without_depth_total{scene=\"s\"} 17\n", "farfield_tiles_identical_total{scene=\"s\"} 18\n",
+        "farfield_tile_bytes_identical_total{scene=\"s\"} 19\n",
+        "farfield_tiles_unseen_total{scene=\"s\"} 21\n", "farfield_tiles_too_small_total{scene=\"s\"} 22\n",
+        "farfield_chunks_facing_away_total{scene=\"s\"} 23\n", "farfield_chunks_unseen_total{scene=\"s\"} 24\n",
+        "farfield_triangles_unseen_total{scene=\"s\"} 25\n", "farfield_cells_blocked_total{scene=\"s\"} 26\n",
+        "farfield_delta_views_unneeded_total{scene=\"s\"} 27\n", "farfield_tiles_held_total 31\n", "farfield_payload_bytes_held_total 32\n",
+        "farfield_leaves_blocked_ahead_total 33\n"})
+    EXPECT_NE(out.text().find(line), std::string::npos) << line;
+}
+
 TEST(ServerMetrics, EveryNameIsDescribedOnce) {
   PrometheusText out;
   SessionMetrics metrics;
   ++metrics.sessions;
   write_metrics(out, metrics);
+  write_metrics(out, std::vector<std::shared_ptr<MeasuredCellService>>{std::make_shared<SkippingService>()});
   write_process_metrics(out);
   EXPECT_NE(out.text().find("farfield_sessions_total 1\n"), std::string::npos);
   EXPECT_NE(out.text().find("process_resident_memory_bytes "), std::string::npos);

@@ -153,6 +153,74 @@ TEST_F(TileMakerTest, CountsWhatItLeftOut) {
   EXPECT_GT(skips.samples_coloured_once, 0u);
 }
 
+TEST_F(TileMakerTest, EveryTileCarriesItsOwnCountsAndTheyAddUp) {
+  const ImpostorSources made = sources();
+  const CellId leaf = made.leaves->leaf_at(placed().at({3.5, 0, 3.5}), nullptr).value();
+  TileSkips sum;
+  const SharedPlan plan = made.leaves->plan(leaf, nullptr).value();
+  for (const NeededTile& needed : plan->tiles) {
+    if (needed.id.cell != leaf) continue;
+    const auto tile = made.tiles->make(needed.id, nullptr).value();
+    if (needed.id.is_delta()) {
+      EXPECT_EQ(tile->skips.hidden_samples, 0u);
+      EXPECT_LE(tile->skips.delta_blocks_hidden + tile->skips.delta_blocks_not_cast, std::uint64_t{kRegionBlocks} * kRegionBlocks);
+      EXPECT_GE(tile->rays, tile->covered_samples);
+    } else {
+      EXPECT_EQ(tile->skips.hidden_samples + tile->rays, std::uint64_t{kTileSamples} * kTileSamples) << "cast or hidden";
+    }
+    EXPECT_LE(tile->skips.samples_coloured_once, tile->covered_samples);
+    EXPECT_EQ(tile->skips.empty_tiles, tile->bytes->empty() ? 1u : 0u);
+    sum += tile->skips;
+  }
+  const TileSkips total = made.tiles->skips();
+  EXPECT_EQ(total.hidden_samples, sum.hidden_samples);
+  EXPECT_EQ(total.delta_blocks_hidden, sum.delta_blocks_hidden);
+  EXPECT_EQ(total.delta_blocks_not_cast, sum.delta_blocks_not_cast);
+  EXPECT_EQ(total.samples_coloured_once, sum.samples_coloured_once);
+  EXPECT_GT(sum.hidden_samples, 0u) << "pillars hide some of the shell from everywhere in the leaf";
+  EXPECT_GT(sum.delta_blocks_hidden, 0u);
+}
+
+TEST(TileMaker, CellsAboveAnEndlessFloorShowTheSame) {
+  // One colour, and the same under every cell: neighbours' tiles differ in their names alone.
+  const PlacedScene placed = test::Blocks().quad({-400, -3, 400}, {800, 0, 0}, {0, 0, -800}, {90, 90, 90, 255}).build();
+  const ImpostorSources made = make_impostor_sources(placed.scene, small_settings());
+  const CellGrid grid{small_settings().finest_side_m};
+  const CellId cell = grid.cell_at(placed.at({10.2, -1.4, 10.2}), 0);  // the floor lies in its shell
+  constexpr int kDown = 3;  // -y
+  const auto below = [&](int steps) {
+    TileId id{cell, kIntraView, kDown, 1, 1};
+    id.cell.x += steps;
+    return made.tiles->make(id, nullptr).value();
+  };
+  EXPECT_EQ(below(0)->skips.identical_tiles, 0u) << "the first of its kind";
+  EXPECT_EQ(below(0)->skips.identical_tiles, 0u) << "made again";
+  const auto beside = below(1);
+  ASSERT_FALSE(beside->bytes->empty());
+  EXPECT_EQ(beside->skips.identical_tiles, 1u);
+  EXPECT_EQ(beside->skips.identical_bytes, beside->bytes->size());
+  EXPECT_EQ(made.tiles->skips().identical_tiles, 1u);
+}
+
+TEST(TileMaker, OnlyWhatIsFarAgainstTheCellGoesWithoutDepth) {
+  // A wall 600 m away: against the fallback view's small cell it stands still, in the shell of a large cell it does not.
+  ImpostorSettings settings = small_settings();
+  settings.display = {64, 36};
+  const PlacedScene placed = test::Blocks().quad({600, -40, -40}, {0, 0, 80}, {0, 80, 0}, {150, 160, 170, 255}).quad({0, -40, -3}, {0, 0, 6}, {0, 6, 0}, {9, 99, 9, 255}, 16).build();
+  const ImpostorSources made = make_impostor_sources(placed.scene, settings);
+  const auto plan = made.leaves->fallback(placed.at({0.3, -39, 0.3}));
+  std::uint64_t without = 0, covered = 0;
+  for (const NeededTile& tile : plan->tiles) {
+    const auto encoded = made.tiles->make(tile.id, nullptr).value();
+    without += encoded->skips.samples_without_depth, covered += encoded->covered_samples;
+  }
+  EXPECT_GT(without, 0u);
+  EXPECT_LE(without, covered);
+  const CellId leaf = made.leaves->leaf_at(placed.at({0.3, -39, 0.3}), nullptr).value();
+  const SharedPlan shells = made.leaves->plan(leaf, nullptr).value();
+  for (const NeededTile& tile : shells->tiles) EXPECT_EQ(made.tiles->make(tile.id, nullptr).value()->skips.samples_without_depth, 0u);
+}
+
 TEST(TileMaker, ATileOfAnEmptyShellHasNoBytes) {
   const PlacedScene placed = test::Blocks().quad({5, -40, -40}, {0, 0, 80}, {0, 80, 0}, {150, 160, 170, 255}).build();
   const ImpostorSources made = make_impostor_sources(placed.scene, small_settings());

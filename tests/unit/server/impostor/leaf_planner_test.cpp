@@ -88,5 +88,91 @@ TEST_F(LeafPlannerTest, WhereNoWallIsOnePlanServesTheLeaf) {
   EXPECT_EQ(plan_at(whole, grid(), placed.at({100, 30, 20})), whole);
 }
 
+// A closed room of 4 m, painted on the inside, in a hall that nobody in it can see.
+struct RoomInAHall {
+  explicit RoomInAHall(const ImpostorSettings& wanted) : settings(wanted) {
+    Blocks blocks;
+    blocks.room({{-60, -60, -60}, {60, 60, 60}}, {90, 90, 90, 255}, 2).box({{-2.2, -2.2, -2.2}, {2.2, 2.2, 2.2}}, {200, 120, 90, 255}, 8);
+    blocks.room({{-2, -2, -2}, {2, 2, 2}}, {180, 190, 170, 255}, 8);
+    placed = blocks.build();
+    const NestedShells shells{CellGrid{settings.finest_side_m}, settings.kappa};
+    tree = std::make_shared<CellTree>(placed.scene, shells, settings.near_triangles);
+    catalogue = std::make_shared<ViewCatalogue>(placed.scene, tree, shells, settings);
+    leaves = std::make_shared<LeafPlanner>(placed.scene, tree, catalogue, shells, settings);
+  }
+  SharedPlan plan_of(const glm::dvec3& world) const { return leaves->plan(leaves->leaf_at(placed.at(world), nullptr).value(), nullptr).value(); }
+
+  ImpostorSettings settings;
+  PlacedScene placed;
+  std::shared_ptr<CellTree> tree;
+  std::shared_ptr<ViewCatalogue> catalogue;
+  std::shared_ptr<LeafPlanner> leaves;
+};
+
+ImpostorSettings settings_of_a_room(std::uint32_t near_triangles) {
+  ImpostorSettings settings;
+  settings.finest_side_m = 1;
+  settings.near_triangles = near_triangles;
+  return settings;
+}
+
+TEST(LeafSkips, InAClosedRoomEveryTileOfEveryShellIsCountedAsUnseen) {
+  const RoomInAHall room(settings_of_a_room(20000));
+  const SharedPlan plan = room.plan_of({0.4, 0.4, 0.4});
+  ASSERT_TRUE(plan->tiles.empty());
+  const auto shells = static_cast<std::uint64_t>(plan->root.level - plan->leaf.level + 1);
+  const auto tiles = static_cast<std::uint64_t>(room.settings.face_tiles);
+  EXPECT_EQ(plan->skips.tiles_unseen, shells * kCubeFaces * tiles * tiles);
+  EXPECT_EQ(plan->skips.tiles_too_small, 0u);
+  EXPECT_EQ(plan->delta_views, -1) << "nothing is seen: no views are chosen";
+  EXPECT_EQ(room.catalogue->delta_views_unneeded(), 0u);
+}
+
+TEST(LeafSkips, NearChunksAreListedOrCountedByWhyTheyAreNot) {
+  const RoomInAHall room(settings_of_a_room(1400));  // the room and its outside are 1536 triangles
+  const SharedPlan plan = room.plan_of({0.4, 0.4, 0.4});
+  const NestedShells shells{CellGrid{room.settings.finest_side_m}, room.settings.kappa};
+  const std::vector<std::uint32_t> near = room.placed.scene->chunks_in(shells.near_region(plan->leaf));
+  std::uint64_t triangles = 0;
+  for (const std::uint32_t chunk : near) triangles += room.placed.scene->chunks()[chunk].triangles;
+  ASSERT_GT(triangles, room.settings.near_triangles) << "or all of them are sent";
+  EXPECT_GT(plan->skips.triangles_unseen, 0u);
+  EXPECT_EQ(plan->chunks.size() + plan->skips.chunks_unseen + plan->skips.chunks_facing_away, near.size());
+  EXPECT_EQ(plan->near_triangles + plan->skips.triangles_unseen, triangles);
+  EXPECT_EQ(room.leaves->skips().triangles_unseen, plan->skips.triangles_unseen);
+  room.leaves->plan(plan->leaf, nullptr).value();
+  EXPECT_EQ(room.leaves->skips().triangles_unseen, 2 * plan->skips.triangles_unseen) << "planned and skipped again";
+}
+
+TEST_F(LeafPlannerTest, WhatIsListedAndWhatIsSkippedAreAllTilesOfTheShells) {
+  const SharedPlan plan = plan_of({100, 30, 20});
+  const auto faces = [](int edge) { return static_cast<std::uint64_t>(kCubeFaces) * edge * edge; };
+  const std::uint64_t intra = faces(settings.face_tiles), delta = faces(face_regions(settings.edge_samples(1)));
+  const std::uint64_t all = plan->tiles.size() + plan->skips.tiles_unseen + plan->skips.tiles_too_small;
+  const auto levels = static_cast<std::uint64_t>(plan->root.level - plan->leaf.level + 1);
+  ASSERT_GE(all, levels * intra);
+  EXPECT_EQ((all - levels * intra) % delta, 0u) << "beside the intra views, whole delta views";
+  EXPECT_GT(plan->skips.tiles_too_small, 0u) << "distant blocks' rims";
+  EXPECT_GE(plan->delta_views, 0);
+}
+
+TEST(LeafSkips, ALeafWithinSolidMatterIsBlockedAndGetsOneView) {
+  Blocks blocks;
+  blocks.room({{-60, -60, -60}, {60, 60, 60}}, {90, 90, 90, 255}, 2).box({{-8, -8, -8}, {8, 8, 8}}, {200, 120, 90, 255}, 8);
+  const PlacedScene placed = blocks.build();
+  const ImpostorSettings settings = settings_of_a_room(300);
+  const NestedShells shells{CellGrid{settings.finest_side_m}, settings.kappa};
+  const auto tree = std::make_shared<CellTree>(placed.scene, shells, settings.near_triangles);
+  LeafPlanner leaves(placed.scene, tree, std::make_shared<ViewCatalogue>(placed.scene, tree, shells, settings), shells, settings);
+  const auto plan_of = [&](const glm::dvec3& world) { return leaves.plan(leaves.leaf_at(placed.at(world), nullptr).value(), nullptr).value(); };
+  const SharedPlan inside = plan_of({0.3, 0.3, 0.3}), outside = plan_of({0.3, 20, 0.3});
+  EXPECT_EQ(inside->skips.blocked_cells, 1u);
+  EXPECT_LE(inside->delta_views, 0);
+  EXPECT_EQ(outside->skips.blocked_cells, 0u);
+  EXPECT_EQ(leaves.skips().blocked_cells, 1u);
+  EXPECT_FALSE(leaves.can_stand_in(inside->leaf, nullptr).value());
+  EXPECT_TRUE(leaves.can_stand_in(outside->leaf, nullptr).value());
+}
+
 }  // namespace
 }  // namespace farfield

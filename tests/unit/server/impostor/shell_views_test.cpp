@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/cells/sampling.h"
+#include "server/impostor/view_catalogue.h"
 #include "tests/unit/server/impostor/block_scenes.h"
 
 namespace farfield {
@@ -66,6 +67,27 @@ TEST(ShellViews, ACellWithinSolidMatterHasOneView) {
   blocks.box({{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}});
   const PlacedScene placed = blocks.build();
   EXPECT_EQ(choose_views(*placed.scene, test::space_around(placed, {0, 0, 0}, 1.0), kSettings, ViewSearchWidth::kLeaf, nullptr).positions.size(), 1u);
+}
+
+TEST(ShellViews, WhatVoidsDoNotAskForIsCountedAsUnneeded) {
+  const ImpostorSettings settings = kSettings;
+  const NestedShells shells{CellGrid{1.0}, settings.kappa};
+  const auto unneeded_in = [&](const PlacedScene& placed, std::size_t& chosen) {
+    const auto tree = std::make_shared<CellTree>(placed.scene, shells, 1000000);
+    ViewCatalogue catalogue(placed.scene, tree, shells, settings);
+    const CellId cell = shells.grid.cell_at(placed.at(glm::dvec3(0)), 0);
+    chosen = catalogue.views(cell, nullptr).value()->positions.size() - 1;
+    catalogue.views(cell, nullptr).value();  // known already: not counted again
+    return catalogue.delta_views_unneeded();
+  };
+  std::size_t chosen = 0;
+  const auto allowed = static_cast<std::uint64_t>(settings.delta_views);
+  EXPECT_EQ(unneeded_in(test::plain_room().build(), chosen), allowed) << "a convex room needs none";
+  EXPECT_EQ(chosen, 0u);
+  const std::uint64_t unneeded = unneeded_in(test::pillar_room().build(), chosen);
+  EXPECT_GT(chosen, 0u);
+  EXPECT_GT(unneeded, 0u);
+  EXPECT_EQ(unneeded + chosen, allowed);
 }
 
 TEST(ShellViews, TheIntraViewStandsAtAFreePointNearTheCentre) {

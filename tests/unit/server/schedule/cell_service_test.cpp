@@ -6,6 +6,7 @@
 #include <chrono>
 #include <latch>
 #include <limits>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -29,6 +30,10 @@ struct FakeLeaves : LeafSource {
     ++searches;
     return grid.cell_at(viewpoint, 1);
   }
+  Result<bool> can_stand_in(const CellId&, const CancelFlag&) override {
+    ++stood;
+    return !is_blocked;
+  }
   Result<SharedPlan> plan(const CellId& leaf, const CancelFlag& cancel) override {
     ++plans;
     if (gate) gate->wait();
@@ -46,8 +51,8 @@ struct FakeLeaves : LeafSource {
   CellGrid grid{1.0};
   std::atomic<int> fallbacks{0};
   std::latch* gate = nullptr;
-  std::atomic<bool> is_blocking{false};
-  std::atomic<int> searches{0}, plans{0}, cancelled{0};
+  std::atomic<bool> is_blocking{false}, is_blocked{false};
+  std::atomic<int> searches{0}, plans{0}, cancelled{0}, stood{0};
 };
 
 struct FakeTiles : TileSource {
@@ -179,6 +184,29 @@ TEST_F(CellServiceTest, FailuresAndExceptionsReachWhoAskedAndAreTriedAgain) {
     }
   }
   EXPECT_EQ(tiles->made, 4);
+}
+
+TEST_F(CellServiceTest, ALeafNobodyCanStandInIsPlannedForWhoIsThereAndNotAhead) {
+  leaves->is_blocked = true;
+  const glm::dvec3 viewpoint(0.5, 0.5, 0.5);
+  const auto ask = [&](const WorkPriority& priority) {
+    std::atomic<bool> is_done{false};
+    ErrorCode code = ErrorCode::kInternal;
+    bool is_planned = false;
+    const Ticket ticket = service->leaf(viewpoint, priority, [&](Result<SharedPlan> plan) {
+      is_planned = plan.has_value();
+      if (!plan) code = plan.error().code;
+      is_done = true;
+    });
+    EXPECT_TRUE(eventually([&] { return is_done.load(); }));
+    return is_planned ? std::nullopt : std::optional<ErrorCode>(code);
+  };
+  EXPECT_EQ(ask({.prefetch = true}), ErrorCode::kNotFound);
+  EXPECT_EQ(leaves->plans, 0);
+  EXPECT_EQ(ask({}), std::nullopt) << "somebody is there";
+  EXPECT_EQ(leaves->stood, 1) << "and is not asked whether they can be";
+  EXPECT_EQ(leaves->plans, 1);
+  EXPECT_EQ(ask({.prefetch = true}), std::nullopt) << "known already";
 }
 
 TEST_F(CellServiceTest, ALeafIsPlannedOnceForAllViewpointsInIt) {

@@ -41,6 +41,31 @@ TEST(CellStatistics, AddsUpACellsOwnTilesAndKeepsTheFallbackViewApart) {
   EXPECT_EQ(recorder.tile_seconds().count, 5u);
 }
 
+TEST(CellStatistics, AddsUpWhatWasSkippedAndRemembersTheLastPlan) {
+  CellStatisticsRecorder recorder;
+  const CellId leaf{.level = 1, .x = 5};
+  EncodedTile tile = tile_of(1000, 0.02, 0.005);
+  tile.rays = 7;
+  tile.skips = {.samples_coloured_once = 1, .hidden_samples = 2, .delta_blocks_hidden = 3, .delta_blocks_not_cast = 4, .delta_samples_held = 5};
+  recorder.add_tile({.cell = leaf}, tile);
+  recorder.add_tile({.cell = leaf, .view = 1}, tile);
+  recorder.add_tile({.cell = leaf, .view = kFallbackView}, tile);
+  for (const std::uint32_t triangles : {10u, 20u})
+    recorder.add_plan({.leaf = leaf, .chunks = {1, 2, 3}, .near_triangles = triangles, .skips = {.tiles_unseen = 8, .chunks_unseen = 9}, .delta_views = 6});
+  const CellStatistics cell = recorder.cells().at(0);
+  EXPECT_EQ(cell.rays, 14u);
+  EXPECT_EQ(cell.skipped.samples_coloured_once, 2u);
+  EXPECT_EQ(cell.skipped.hidden_samples, 4u);
+  EXPECT_EQ(cell.skipped.delta_blocks_hidden, 6u);
+  EXPECT_EQ(cell.skipped.delta_blocks_not_cast, 8u);
+  EXPECT_EQ(cell.skipped.delta_samples_held, 10u);
+  EXPECT_EQ(cell.left_out.tiles_unseen, 8u) << "of the last plan alone";
+  EXPECT_EQ(cell.left_out.chunks_unseen, 9u);
+  EXPECT_EQ(cell.near_triangles, 20u);
+  EXPECT_EQ(cell.chunks, 3u);
+  EXPECT_EQ(cell.delta_views, 6);
+}
+
 TEST(CellStatistics, IsBounded) {
   CellStatisticsRecorder recorder(2);
   for (int x = 0; x < 5; ++x) recorder.add_tile({.cell = {.x = x}}, tile_of(1, 1, 0));

@@ -19,6 +19,7 @@ struct FakeWorld {
   std::size_t tile_bytes = 1000;
   int shared_tiles = 2;        // of these, the first are the same for all leaves (far shells)
   int texture_levels = 8;      // 128 texels: one level is finer than coarse
+  bool is_blocked_ahead = false;  // nobody can stand in the leaves at x = 1 and beyond
   bool has_walls = false;      // across every leaf: what is beyond its middle along x is another enclosure
 };
 
@@ -118,6 +119,10 @@ class FakeCellService final : public CellService {
       const std::lock_guard lock(mutex_);
       ++leaf_requests_;
       prefetch_requests_ += priority.prefetch ? 1 : 0;
+    }
+    if (priority.prefetch && world_.is_blocked_ahead && grid().cell_at(viewpoint, 0).x >= 1) {
+      answer(fail(ErrorCode::kNotFound, "nobody can stand there"));
+      return Ticket();
     }
     std::unique_lock lock(mutex_);
     if (!holds_leaves_) {

@@ -30,6 +30,17 @@ TEST(HeldSet, ForgetsTheOldestBeyondItsBound) {
   EXPECT_EQ(held.size(), 3u);
 }
 
+TEST(HeldSet, KnowsTheBytesOfWhatItHolds) {
+  HeldSet held(2);
+  held.insert(1, 10), held.insert(2);
+  held.insert(1, 99);  // known already
+  EXPECT_EQ(held.bytes(1), 10u);
+  EXPECT_EQ(held.bytes(2), 0u) << "not told";
+  held.insert(3, 30);
+  EXPECT_EQ(held.bytes(1), 0u) << "forgotten";
+  EXPECT_EQ(held.bytes(3), 30u);
+}
+
 TEST(HeldSet, StaysBoundedUnderChurn) {
   HeldSet held(100);
   for (ContentHash round = 0; round < 10000; ++round) {

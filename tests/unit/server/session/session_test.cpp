@@ -128,6 +128,10 @@ TEST_F(SessionTest, NothingIsSentTwice) {
   client.idle(50ms);
   EXPECT_EQ(client.frames, frames);
   EXPECT_EQ(server->metrics().leaf_sets_reused, 1u);
+  // Of the second set it held two far tiles, two chunks and eight texture levels.
+  EXPECT_EQ(server->metrics().payloads_held, 12u);
+  EXPECT_EQ(server->metrics().tiles_held, 2u);
+  EXPECT_EQ(server->metrics().payload_bytes_held, 2 * 1000u + 2 * 300u + 8 * 100u);
 }
 
 TEST_F(SessionTest, WhatWasEvictedIsSentAgainButNotForEver) {
@@ -396,6 +400,24 @@ TEST_F(SessionTest, WalkingOnPrefetchesTheLeavesAhead) {
   const auto own = client.sets[1].tiles(3);
   EXPECT_EQ(client.received[own], 1);
   EXPECT_GE(client.payloads(), payloads);
+}
+
+TEST_F(SessionTest, LeavesAheadInWhichNobodyCanStandAreAskedAboutOnceAndCounted) {
+  FakeWorld world;
+  world.is_blocked_ahead = true;
+  serve(world);
+  TestClient client(server->endpoint());
+  ASSERT_TRUE(client.enter());
+  for (int i = 0; i < 20; ++i) client.move_to({0.1 + 0.05 * i, 1, 1}, i / 30.0);  // 1.5 m/s towards +x
+  ASSERT_TRUE(client.wait([&] { return server->metrics().leaves_blocked_ahead > 0; }));
+  client.idle(50ms);
+  EXPECT_EQ(client.sets.size(), 1u) << "none is sent ahead";
+  // Six metres ahead are three or four leaves: each was asked about once, not with every pose.
+  EXPECT_LE(service->prefetch_requests(), 5);
+  EXPECT_EQ(server->metrics().leaves_blocked_ahead, static_cast<std::uint64_t>(service->prefetch_requests()));
+  // Who comes there after all is served.
+  client.move_to({2.05, 1, 1}, 20 / 30.0);
+  ASSERT_TRUE(client.wait([&] { return client.sets.size() == 2; }));
 }
 
 TEST_F(SessionTest, WhatCouldNotBeMadeIsAskedForAgain) {
