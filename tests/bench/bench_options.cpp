@@ -64,6 +64,7 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   app.add_option("--client-samples", bench.client_samples, "samples per pixel of the client; 0: 4 by gl, 1 on the cpu")->check(CLI::IsMember({0, 1, 4}))->capture_default_str();
   add_quality_options(app, bench.settings);
   app.add_flag("!--no-realtime", bench.is_realtime_wanted, "lockstep only");
+  app.add_flag("--explain", bench.explains, "print what Farfield's server skipped and why, per cell of the walk, and what that saved");
   app.add_option("--json", bench.json, "write the report here; - for standard output");
   app.add_option("--plot", bench.plot, "write frame time and bytes per second against error here, SVG");
   app.add_option("--frames-dir", bench.frames_folder, "write every method's frames and truth here as NNNN-METHOD.png");

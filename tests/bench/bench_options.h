@@ -35,6 +35,7 @@ struct BenchOptions {
   int threads = 0;
   int client_samples = 0;  // 0: the renderer's choice
   bool is_realtime_wanted = true;
+  bool explains = false;   // what was skipped and why, per cell
   std::filesystem::path json, plot, frames_folder, contact_sheet;
   bool prints_json = false;
 };

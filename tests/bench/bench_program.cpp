@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/base/complete_file.h"
+#include "tests/bench/explain.h"
 #include "tests/bench/methods.h"
 #include "tests/bench/report.h"
 #include "tests/bench/sweep.h"
@@ -44,7 +45,7 @@ bool has_cells(const BenchOptions& options, std::span<const Method> methods) {
 
 // Lockstep only: what a curve shows is measured there.
 Result<std::vector<Curve>> run_sweeps(World& world, std::span<const Method> methods) {
-  world.options.is_realtime_wanted = false;
+  world.options.is_realtime_wanted = world.options.explains = false;
   world.border = nullptr;
   std::vector<Curve> curves;
   for (const Sweep& sweep : world.options.sweeps) {
@@ -81,6 +82,7 @@ Status run_bench(const BenchOptions& options) {
   } else {
     print_table(*methods, std::cout);
     print_dominance(*methods, *curves, std::cout);
+    for (const MethodResult& method : *methods) print_explanation(method, std::cout);
     if (!options.json.empty()) {
       if (Status status = write_complete_file(options.json, json.dump(2) + '\n'); !status) return status;
     }

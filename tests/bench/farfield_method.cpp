@@ -14,8 +14,10 @@
 #include "server/store/memory_tile_store.h"
 #include "tests/bench/client_process.h"
 #include "tests/bench/distribution.h"
+#include "tests/bench/explain.h"
 #include "tests/bench/judge.h"
 #include "tests/bench/scratch_folder.h"
+#include "tests/bench/skip_savings.h"
 #include "tests/bench/warp_error.h"
 
 namespace farfield::bench {
@@ -178,6 +180,7 @@ Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wa
       result.samples = mean((*client)["samples"].get<std::vector<double>>());
       add_cells(**serving, result);
       add_skips(**serving, result);
+      if (world.options.explains) result.explained = explained_cells((*serving)->service->cell_statistics());
       result.error = judge_lockstep(world, folder->path(), result);
       if (world.border) {
         const Result<BorderFlip> border = judge_borders(world, wanted, **serving);
@@ -202,6 +205,10 @@ Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wa
   settings.finest_side_m = finest_side_for(*world.scene, settings.finest_side_m);
   const ImpostorSources sources = make_impostor_sources(world.scene, settings);
   result.error.warp_px_p99 = warp_error_p99(world, sources, settings, wanted.renderer == "gl");
+  if (world.options.explains) {
+    std::cerr << "farfield-" << wanted.renderer << ": what was saved\n";
+    result.savings = measure_savings(world, settings, result);
+  }
   return result;
 }
 

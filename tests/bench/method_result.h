@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "server/schedule/cell_statistics.h"
+
 namespace farfield::bench {
 
 inline const double kNone = std::nan("");
@@ -33,6 +35,13 @@ struct BorderFlip {
   double inside_p99 = kNone, crossing_p99 = kNone;
 };
 
+/// What a skip spared the server or the link; NaN where that is not what it saves.
+struct Saving {
+  std::string skip, counter;
+  double count = 0;
+  double rays = kNone, ms = kNone, bytes = kNone;
+};
+
 struct MethodResult {
   std::string name;
   double frame_p50 = kNone, frame_p95 = kNone, frame_p99 = kNone;               // ms, lockstep
@@ -53,6 +62,8 @@ struct MethodResult {
   CertificateFigures certificate;
   BorderFlip border_flip;
   std::map<std::string, double> skipped;
+  std::vector<CellStatistics> explained;  // --explain: what each cell left out (explain.h); empty else
+  std::vector<Saving> savings;            // likewise
   std::vector<std::vector<std::uint8_t>> pictures;  // RGB of the sampled lockstep frames, for the contact sheet
 };
 

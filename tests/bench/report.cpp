@@ -8,6 +8,8 @@
 #include <iostream>
 #include <thread>
 
+#include "tests/bench/explain.h"
+
 namespace farfield::bench {
 namespace {
 
@@ -25,6 +27,9 @@ nlohmann::json to_json(const ErrorFigures& e) {
 nlohmann::json to_json(const MethodResult& m) {
   nlohmann::json skipped = nlohmann::json::object();
   for (const auto& [name, count] : m.skipped) skipped[name] = value(count);
+  nlohmann::json savings = nlohmann::json::array();
+  for (const Saving& s : m.savings)
+    savings.push_back({{"skip", s.skip}, {"counter", s.counter}, {"count", value(s.count)}, {"rays", value(s.rays)}, {"ms", value(s.ms)}, {"bytes", value(s.bytes)}});
   return {{"name", m.name},
           {"frame_ms", {{"p50", value(m.frame_p50)}, {"p95", value(m.frame_p95)}, {"p99", value(m.frame_p99)}}},
           {"realtime_frame_ms", {{"p50", value(m.realtime_frame_p50)}, {"p99", value(m.realtime_frame_p99)}}},
@@ -47,7 +52,8 @@ nlohmann::json to_json(const MethodResult& m) {
           {"certificate", {{"void_share", value(m.certificate.void_share)}, {"psnr_db", value(m.certificate.psnr_db)},
                            {"warp_px", value(m.certificate.warp_px)}, {"holds_share", value(m.certificate.holds_share)}}},
           {"border_flip", {{"inside_p99", value(m.border_flip.inside_p99)}, {"crossing_p99", value(m.border_flip.crossing_p99)}}},
-          {"skipped", skipped}};
+          {"skipped", skipped},
+          {"savings", savings}};
 }
 
 nlohmann::json to_json(const Curve& curve) {
@@ -93,7 +99,8 @@ nlohmann::json to_json(const World& world, const std::vector<MethodResult>& meth
                        {"fovy_deg", world.options.display.fovy_rad * 180 / 3.14159265358979323846}}},
           {"link", link_json},
           {"methods", list},
-          {"curves", curve_list}};
+          {"curves", curve_list},
+          {"explain", explain_json(methods)}};
 }
 
 void print_table(const std::vector<MethodResult>& methods, std::ostream& out) {
