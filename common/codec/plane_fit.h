@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -10,16 +11,35 @@
 
 namespace farfield {
 
-inline constexpr int kOffsetShift = 5;
 /// Steeper planes are not coded as planes, in units per sample. The coder's integers end at 2^24: of surfaces of at most 2^23
-/// units (kMostTolerances), a plane's value at a corner up to 2·64 samples away stays below 2^23 + 2^27 units, the
-/// difference of two such below 2^24 steps of 2^kOffsetShift, and the difference of two slopes at 2^21.
+/// units (kMostTolerances), the value of another plane up to 2·64 samples away stays below 2^23 + 2^27 units, the difference
+/// of two such below 2^24 steps of 2^kOffsetShift, and the difference of two slopes at 2^21.
 inline constexpr double kSteepest = 1 << 20;
-inline int slope_shift(int node) { return node >= 32 ? 0 : node >= 16 ? 1 : node >= 8 ? 2 : 3; }
+inline constexpr int kOffsetShift = 6;
 
 struct Plane {
   std::int64_t c = 0, gx = 0, gy = 0;  // c at the tile's sample (0, 0), so that planes of different nodes compare
   std::int64_t at(int i, int j) const { return c + gx * i + gy * j; }
+  bool operator==(const Plane&) const = default;
+  static Plane through(std::int64_t value, int i, int j, std::int64_t gx, std::int64_t gy) { return {value - gx * i - gy * j, gx, gy}; }
+};
+
+/// Where on a surface its plane is known best, and how finely its slopes need be known.
+struct SurfaceFrame {
+  int x = 0, y = 0;                    // the middle of the surface's bounding box, in the tile
+  int columns = 1, rows = 1;           // of the box
+  SurfaceFrame(const Node& node, const NodeSamples& surface) {
+    std::uint32_t all = 0;
+    for (int row = surface.first_row; row < surface.end_row; ++row) all |= surface.rows[row];
+    const int first = std::countr_zero(all), end = 32 - std::countl_zero(all);
+    columns = end - first, rows = surface.end_row - surface.first_row;
+    x = node.x + (first + end - 1) / 2, y = node.y + (surface.first_row + surface.end_row - 1) / 2;
+  }
+  /// Steps of a slope are 2^this: over a box of s samples half a step adds up to a quarter of the tolerance over two
+  /// samples, and to an eighth over more.
+  static int slope_shift(int extent) { return extent <= 2 ? 7 : extent <= 3 ? 6 : extent <= 4 ? 5 : extent <= 8 ? 4 : extent <= 16 ? 3 : 2; }
+  /// Classes of size, 0 … 5: one sample, lines and boxes up to 2, 4, 8, 16 and 32.
+  int size_class() const { return std::bit_width(static_cast<unsigned>(std::max(columns, rows) - 1)); }
 };
 
 /// Sums over samples at (x, y) of a node with value d.
@@ -67,38 +87,24 @@ auto of_size(int size, Visit visit) {
   return size == 32 ? visit(WholeNode<32>()) : size == 16 ? visit(WholeNode<16>()) : size == 8 ? visit(WholeNode<8>()) : visit(WholeNode<4>());
 }
 
-/// Least squares over a surface's samples, recentred between the extremes, then rounded as it will be coded.
-/// `rest_of(gx, gy)`: the Range of what slopes leave. Returns: whether the plane keeps to the tolerance.
-template <class RestOf>
-bool fit_plane(const Node& node, const Moments& m, RestOf rest_of, Plane& plane) {
+/// Least squares over a surface's samples, in units per sample; zero where the samples leave a slope open.
+struct Slopes {
+  double x = 0, y = 0;
+};
+inline Slopes fit_slopes(const Moments& m) {
   const double mx = m.sx / m.n, my = m.sy / m.n, md = m.sd / m.n;
   const double cxx = m.sxx / m.n - mx * mx, cxy = m.sxy / m.n - mx * my, cyy = m.syy / m.n - my * my;
   const double cxd = m.sxd / m.n - mx * md, cyd = m.syd / m.n - my * md;
   const double determinant = cxx * cyy - cxy * cxy;
-  double gx = 0, gy = 0;
   // Sample positions are integers: a determinant below 1/1024 means that they lie on one line (or are one point).
-  if (determinant > 1.0 / 1024) {
-    gx = (cxd * cyy - cyd * cxy) / determinant;
-    gy = (cyd * cxx - cxd * cxy) / determinant;
-  } else if (cxx + cyy > 1.0 / 1024) {
-    const double along = (cxd + cyd) / (cxx + cyy + 2 * std::abs(cxy));
-    gx = cxx > 1.0 / 1024 ? along : 0, gy = cyy > 1.0 / 1024 ? (cxy < 0 ? -along : along) : 0;
-    if (cxy < 0) {
-      const double slope = (cxd - cyd) / (cxx + cyy - 2 * cxy);
-      gx = slope, gy = -slope;
-    }
+  if (determinant > 1.0 / 1024) return {(cxd * cyy - cyd * cxy) / determinant, (cyd * cxx - cxd * cxy) / determinant};
+  if (cxx + cyy <= 1.0 / 1024) return {};
+  if (cxy < 0) {
+    const double slope = (cxd - cyd) / (cxx + cyy - 2 * cxy);
+    return {slope, -slope};
   }
-  const int shift = slope_shift(node.size);
-  const auto quantised = [&](double value, int s) {
-    return static_cast<std::int64_t>(std::llround(std::ldexp(value, -s))) * (std::int64_t{1} << s);
-  };
-  if (!(std::abs(gx) < kSteepest && std::abs(gy) < kSteepest)) return false;
-  plane.gx = quantised(gx, shift), plane.gy = quantised(gy, shift);
-  const Range rest = rest_of(static_cast<double>(plane.gx), static_cast<double>(plane.gy));
-  const std::int64_t corner = quantised(0.5 * (rest.low + rest.high), kOffsetShift);
-  plane.c = corner - plane.gx * node.x - plane.gy * node.y;
-  // One unit below the tolerance absorbs the float the decoder rounds to.
-  return std::max(rest.high - static_cast<double>(corner), static_cast<double>(corner) - rest.low) <= 255.0;
+  const double along = (cxd + cyd) / (cxx + cyy + 2 * cxy);
+  return {cxx > 1.0 / 1024 ? along : 0, cyy > 1.0 / 1024 ? along : 0};
 }
 
 }  // namespace farfield

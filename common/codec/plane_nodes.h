@@ -31,6 +31,7 @@ struct NodeSamples {
         row = row >> end << end;
       }
   }
+  bool operator==(const NodeSamples&) const = default;
   static NodeSamples whole(int size) {
     NodeSamples all{.first_row = 0, .end_row = size};
     for (int y = 0; y < size; ++y) all.rows[y] = 0xffffffffu >> (32 - size);
