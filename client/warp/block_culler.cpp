@@ -143,15 +143,14 @@ bool lands(const Reaches& reaches, int k) {
   return reaches.left[k] <= reaches.right[k] && reaches.top[k] <= reaches.bottom[k];
 }
 
-bool is_hidden(const Reaches& reaches, int k, const PixelWindow& window, const std::uint64_t* keys) {
-  const PixelRectangle pixels{reaches.left[k], reaches.right[k], reaches.top[k], reaches.bottom[k]};
-  return are_hidden(pixels, reaches.nearest[k], window.width, keys);
+PixelRectangle pixels_of(const Reaches& reaches, int k) {
+  return {reaches.left[k], reaches.right[k], reaches.top[k], reaches.bottom[k]};
 }
 
 }  // namespace
 
 VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
-                                  const std::uint64_t* keys) {
+                                  ShownDepths& shown) {
   VisibleBlocks visible{};
   if (splats.blocks.rows == 0) return visible;
   const BoxProjection to_window(projection, splats, window);
@@ -161,12 +160,34 @@ VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats
   tile.whole_rows(boxes);
   to_window.project(boxes, rows);
   for (int j = 0; j < splats.blocks.rows; ++j) {
-    if (!lands(rows, j) || is_hidden(rows, j, window, keys)) continue;
+    if (!lands(rows, j) || shown.hide(pixels_of(rows, j), rows.nearest[j])) continue;
     tile.row_of_squares(j, boxes);
     to_window.project(boxes, squares);
     for (int c = 0; c < kColumns; ++c) {
-      if (lands(squares, c) && !is_hidden(squares, c, window, keys)) visible[j] |= 1u << c;
+      if (!lands(squares, c) || shown.hide(pixels_of(squares, c), squares.nearest[c])) continue;
+      visible[j] |= 1u << c;
+      shown.drawn(pixels_of(squares, c));
     }
+  }
+  return visible;
+}
+
+std::uint32_t find_visible_squares(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
+                                   ShownDepths& shown, std::size_t begin, std::size_t end) {
+  const BoxProjection to_window(projection, splats, window);
+  const float length = splats.pitch * static_cast<float>(kSquareEdge + 1);
+  Boxes boxes;
+  for (std::size_t k = 0; k < kColumns; ++k) {
+    const PieceSquare& square = splats.pieces.squares[std::min(begin + k, end - 1)];
+    boxes.u_low[k] = splats.tangent(square.column) - splats.pitch, boxes.u_high[k] = boxes.u_low[k] + length;
+    boxes.v_low[k] = splats.tangent(square.row) - splats.pitch, boxes.v_high[k] = boxes.v_low[k] + length;
+    boxes.d_low[k] = square.lowest, boxes.d_high[k] = square.highest;
+  }
+  Reaches squares;
+  to_window.project(boxes, squares);
+  std::uint32_t visible = 0;
+  for (int k = 0; k < static_cast<int>(end - begin); ++k) {
+    if (lands(squares, k) && !shown.hide(pixels_of(squares, k), squares.nearest[k])) visible |= 1u << k;
   }
   return visible;
 }

@@ -128,9 +128,10 @@ void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Disp
     std::fill(keys.data() + first_row * stride, keys.data() + last_row * stride, kNoSplat);
     if (near) merge_near(*near, display, first_row, last_row, keys.data());
     const PixelWindow window{display.width, first_row, last_row};
+    ShownDepths shown(window, keys.data());
     for (const TileJob& job : jobs) {
       if (job.footprint.last_row < first_row || job.footprint.first_row >= last_row) continue;
-      scatter_tile(*job.splats, job.projection, window, options.kernel, keys.data());
+      scatter_tile(*job.splats, job.projection, window, options.kernel, shown, keys.data());
     }
   });
 }

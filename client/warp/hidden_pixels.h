@@ -33,15 +33,45 @@ inline bool any_smaller(const std::uint64_t* keys, int count, std::uint64_t boun
 #endif
 }
 
-/// `nearest`: the largest eye disparity that anything to be drawn can have, but for the roundings on the way to it: 2⁻²⁰
-/// covers up to 16 of them.
-inline bool are_hidden(const PixelRectangle& pixels, float nearest, int width, const std::uint64_t* keys) {
-  const std::uint64_t largest = make_key(key_high(std::max(nearest * (1 + 0x1p-20f), 0.0f)), ~0u);
+/// What hides anything with an eye disparity up to `nearest`, but for the roundings on the way to it: 2⁻²⁰ covers up to 16 of
+/// them.
+inline std::uint64_t largest_key(float nearest) {
+  return make_key(key_high(std::max(nearest * (1 + 0x1p-20f), 0.0f)), ~0u);
+}
+
+/// Whether one of the pixels' keys is smaller than `bound`.
+inline bool any_smaller_in(const PixelRectangle& pixels, std::uint64_t bound, int width, const std::uint64_t* keys) {
   for (int line = pixels.top; line <= pixels.bottom; ++line) {
     const std::uint64_t* cells = keys + static_cast<std::size_t>(line) * static_cast<std::size_t>(width);
-    if (any_smaller(cells + pixels.left, pixels.right + 1 - pixels.left, largest)) return false;
+    if (any_smaller(cells + pixels.left, pixels.right + 1 - pixels.left, bound)) return true;
   }
-  return true;
+  return false;
+}
+
+/// The smallest of the pixels' keys. Requires: there are pixels.
+inline std::uint64_t smallest_key(const PixelRectangle& pixels, int width, const std::uint64_t* keys) {
+  std::uint64_t smallest = ~std::uint64_t{0};
+  const int count = pixels.right + 1 - pixels.left;
+#if defined(__AVX512F__)
+  if (count == 8) {
+    __m512i eight = _mm512_set1_epi64(-1);
+    for (int line = pixels.top; line <= pixels.bottom; ++line)
+      eight = _mm512_mask_min_epu64(eight, 0xff, eight, _mm512_loadu_si512(keys + static_cast<std::size_t>(line) * static_cast<std::size_t>(width) + pixels.left));
+    alignas(64) std::uint64_t values[8];
+    _mm512_store_si512(values, eight);
+    return *std::min_element(values, values + 8);
+  }
+#endif
+  for (int line = pixels.top; line <= pixels.bottom; ++line) {
+    const std::uint64_t* cells = keys + static_cast<std::size_t>(line) * static_cast<std::size_t>(width) + pixels.left;
+    smallest = std::min(smallest, *std::min_element(cells, cells + count));
+  }
+  return smallest;
+}
+
+/// `nearest`: the largest eye disparity that anything to be drawn can have.
+inline bool are_hidden(const PixelRectangle& pixels, float nearest, int width, const std::uint64_t* keys) {
+  return !any_smaller_in(pixels, largest_key(nearest), width, keys);
 }
 
 }  // namespace farfield::client

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "client/warp/block_culler.h"
+#include "client/warp/piece_on_screen.h"
 #include "client/warp/splat_pixel.h"
 #include "client/warp/wide_splats.h"
 #include "client/warp/write_pixels.h"
@@ -187,17 +188,34 @@ class SplatWriter {
   RowIndices hits_;
 };
 
+template <class Draw>
+void draw_pieces(const Splats& splats, const TileProjection& projection, const PixelWindow& window, std::size_t square, Draw&& draw) {
+  const SurfacePieces& pieces = splats.pieces;
+  PlacedPiece placed;
+  for (std::size_t p = pieces.squares[square].first_piece; p < pieces.piece_end(square); ++p) {
+    if (place_piece(projection, splats, pieces.squares[square], pieces.pieces[p], window, placed)) draw(placed);
+  }
+}
+
 }  // namespace
 
 void scatter_tile(const Splats& splats, const TileProjection& projection, const PixelWindow& window,
-                  ProjectionKernel kernel, std::uint64_t* keys) {
+                  ProjectionKernel kernel, ShownDepths& shown, std::uint64_t* keys) {
   if (kernel == ProjectionKernel::kScalar) {  // the reference leaves nothing out
+    for (std::size_t s = 0; s < splats.pieces.squares.size(); ++s)
+      draw_pieces(splats, projection, window, s, [&](const PlacedPiece& placed) { draw_piece_scalar(placed, window.width, keys); });
     SplatWriter writer(splats, projection, window, kernel, keys);
     for (const SplatRun& run : splats.runs) writer.append(run, 0, run.count);
     writer.flush();
     return;
   }
-  const VisibleBlocks visible = find_visible_blocks(projection, splats, window, keys);
+  for_each_visible_square(projection, splats, window, shown, [&](std::size_t s) {
+    draw_pieces(splats, projection, window, s, [&](const PlacedPiece& placed) {
+      draw_piece(placed, window.width, keys);
+      shown.drawn({placed.left, placed.right, placed.top, placed.bottom});
+    });
+  });
+  const VisibleBlocks visible = find_visible_blocks(projection, splats, window, shown);
   if (std::all_of(visible.begin(), visible.end(), [](std::uint32_t row) { return row == 0; })) return;
   SplatWriter writer(splats, projection, window, kernel, keys);
   const auto edge = static_cast<std::uint32_t>(splats.blocks.edge);

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "client/warp/project_row.h"
+#include "client/warp/shown_depths.h"
 #include "client/warp/tile_projection.h"
 #include "common/impostor/splats.h"
 
@@ -13,8 +14,9 @@ namespace farfield::client {
 
 enum class ProjectionKernel { kVector, kScalar };
 
-/// `keys`: the whole frame's, row by row; only rows of `window` are written. One thread per window.
+/// `keys`: the whole frame's, row by row; only rows of `window` are written. `shown`: of the same window and keys. One thread
+/// per window.
 void scatter_tile(const Splats& splats, const TileProjection& projection, const PixelWindow& window,
-                  ProjectionKernel kernel, std::uint64_t* keys);
+                  ProjectionKernel kernel, ShownDepths& shown, std::uint64_t* keys);
 
 }  // namespace farfield::client

@@ -45,7 +45,7 @@ std::array<double, 2> screen_range(const std::array<glm::dvec3, 8>& corners, int
 
 TileFootprint find_footprint(const TileProjection& projection, const Splats& splats, const Display& display) {
   TileFootprint footprint;
-  if (splats.runs.empty()) return footprint;
+  if (splats.drawn == 0) return footprint;
   std::array<glm::dvec3, 8> corners;
   for (int k = 0; k < 8; ++k) {
     corners[k] = projection.at(k & 1 ? splats.u_max : splats.u_min, k & 2 ? splats.v_max : splats.v_min,

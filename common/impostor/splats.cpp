@@ -5,17 +5,19 @@
 #include <limits>
 #include <numeric>
 
+#include "common/impostor/drawn_samples.h"
 #include "common/impostor/tile_neighbours.h"
 #include "common/math/cube_face.h"
 
 namespace farfield {
 namespace {
 
-/// Appends the covered samples of `tile` row by row; those to be drawn form runs, open while samples stay adjacent.
+/// Appends the covered samples of `tile` row by row; those to be drawn form runs, open while samples stay adjacent. Of those
+/// in pieces only the neighbours of others are held.
 class SplatsBuilder {
  public:
-  SplatsBuilder(const Tile& tile, Splats& splats)
-      : tile_(tile), neighbours_(tile), splats_(splats), place_(tile.samples(), kNotHeld) {}
+  SplatsBuilder(const Tile& tile, const InPieces& in_pieces, Splats& splats)
+      : tile_(tile), in_pieces_(in_pieces), neighbours_(tile), splats_(splats), place_(tile.samples(), kNotHeld) {}
 
   void begin_row(std::uint32_t face_row) {
     v_ = static_cast<float>(sample_tangent(tile_.edge_samples, face_row));
@@ -27,7 +29,9 @@ class SplatsBuilder {
   void append(std::size_t index, std::uint32_t face_column, int count, int first_drawn, int end_drawn) {
     for (int i = 0; i < count; ++i, ++index, ++face_column) {
       if (!tile_.coverage[index]) continue;
-      if (i >= first_drawn && i < end_drawn) {
+      const bool is_drawn = i >= first_drawn && i < end_drawn && !in_pieces_[index];
+      if (!is_drawn && splats_.pieces.samples > 0 && !is_beside_drawn(static_cast<int>(index))) continue;
+      if (is_drawn) {
         if (!is_open_ || face_column != next_column_) open(face_column);
         ++splats_.runs.back().count;
         ++splats_.drawn;
@@ -39,13 +43,19 @@ class SplatsBuilder {
 
   void finish() {
     for (std::size_t k = 0; k < index_.size(); ++k) link(k);
-    splats_.runs.shrink_to_fit();
-    splats_.links.shrink_to_fit();
+    splats_.runs.shrink_to_fit(), splats_.links.shrink_to_fit();
+    splats_.disparity.shrink_to_fit(), splats_.colour.shrink_to_fit(), splats_.reach.shrink_to_fit();
   }
 
  private:
   static constexpr std::uint32_t kNotHeld = ~0u;
 
+  /// Whether a neighbour may be drawn by itself and need this one's disparity and colour.
+  bool is_beside_drawn(int index) const {
+    const auto is_single = [&](int other) { return other >= 0 && tile_.coverage[other] && !in_pieces_[other]; };
+    return is_single(neighbours_.left(index)) || is_single(neighbours_.right(index)) ||
+           is_single(neighbours_.up(index)) || is_single(neighbours_.down(index));
+  }
   void open(std::uint32_t face_column) {
     const float u0 = static_cast<float>(sample_tangent(tile_.edge_samples, face_column));
     splats_.runs.push_back({u0, v_, static_cast<std::uint32_t>(splats_.disparity.size()), 0});
@@ -59,17 +69,8 @@ class SplatsBuilder {
     splats_.disparity.push_back(tile_.disparity[at]);
     splats_.colour.push_back(rgb[0] | static_cast<std::uint32_t>(rgb[1]) << 8 | static_cast<std::uint32_t>(rgb[2]) << 16);
     const int left = neighbours_.left(index), up = neighbours_.up(index);
-    splats_.reach.push_back(pack_reach(reach(left, tile_.cut_right, left, false),
-                                       reach(neighbours_.right(index), tile_.cut_right, index, true),
-                                       reach(up, tile_.cut_down, up, false),
-                                       reach(neighbours_.down(index), tile_.cut_down, index, true)));
-  }
-  /// `before`: the upper or left one of the two, which holds the cut. `is_before`: that is the sample itself.
-  std::uint32_t reach(int neighbour, const std::vector<std::uint8_t>& cuts, int before, bool is_before) const {
-    if (neighbour < 0) return kReachToNothing;
-    const std::uint32_t cut = std::min<std::uint32_t>(cuts[before], 8);
-    if (cut == kConnected) return tile_.coverage[neighbour] ? kReachConnected : kReachToNothing;
-    return is_before ? 2 * cut - 1 : 17 - 2 * cut;
+    splats_.reach.push_back(
+        reach_of_sample(tile_, index, left, neighbours_.right(index), up, neighbours_.down(index)));
   }
 
   /// Begins a new link where the one before does not lead to sample k's neighbours, or would lead out of the arrays.
@@ -98,6 +99,7 @@ class SplatsBuilder {
   static std::uint16_t distance(std::size_t from, std::size_t to) { return static_cast<std::uint16_t>(to - from); }
 
   const Tile& tile_;
+  const InPieces& in_pieces_;
   const TileNeighbours neighbours_;
   Splats& splats_;
   std::vector<std::uint32_t> place_;  // by tile index: where the sample is held
@@ -108,18 +110,14 @@ class SplatsBuilder {
 };
 
 void append_dense(const Tile& tile, SplatsBuilder& builder) {
-  // Of the two rows and columns it shares with each neighbour a tile draws the inner one, so that it knows the
-  // neighbours of all it draws. At the ends of a face there is no other tile.
-  const int tiles = face_tiles(tile.edge_samples);
-  const auto begin = [](int place) { return place > 0 ? 1 : 0; };
-  const auto end = [&](int place, int size) { return place + 1 < tiles ? std::min(size, kTileStride + 1) : size; };
+  const DrawnSamples drawn(tile);
   const std::uint32_t face_column = static_cast<std::uint32_t>(tile.id.x) * kTileStride;
   const std::uint32_t face_row = static_cast<std::uint32_t>(tile.id.y) * kTileStride;
   for (int j = 0; j < tile.height; ++j) {
-    const bool is_drawn = j >= begin(tile.id.y) && j < end(tile.id.y, tile.height);
+    const bool is_drawn = j >= drawn.first_row && j < drawn.end_row;
     builder.begin_row(face_row + j);
-    builder.append(static_cast<std::size_t>(j) * tile.width, face_column, tile.width, begin(tile.id.x),
-                   is_drawn ? end(tile.id.x, tile.width) : 0);
+    builder.append(static_cast<std::size_t>(j) * tile.width, face_column, tile.width, drawn.first_column,
+                   is_drawn ? drawn.end_column : 0);
   }
 }
 
@@ -147,18 +145,28 @@ void append_packed(const Tile& tile, SplatsBuilder& builder) {
   }
 }
 
+/// Of everything that is drawn.
 void find_bounds(Splats& splats) {
-  if (splats.runs.empty()) return;
-  const auto [low, high] = std::minmax_element(splats.disparity.begin(), splats.disparity.end());
-  splats.min_disparity = *low;
-  splats.max_disparity = *high;
-  splats.u_min = splats.v_min = std::numeric_limits<float>::infinity();
-  splats.u_max = splats.v_max = -std::numeric_limits<float>::infinity();
-  for (const SplatRun& run : splats.runs) {
-    splats.u_min = std::min(splats.u_min, run.u0);
-    splats.u_max = std::max(splats.u_max, run.u0 + static_cast<float>(run.count - 1) * splats.pitch);
-    splats.v_min = std::min(splats.v_min, run.v);
-    splats.v_max = std::max(splats.v_max, run.v);
+  if (splats.drawn == 0) return;
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  splats.min_disparity = splats.u_min = splats.v_min = kInfinity;
+  splats.max_disparity = splats.u_max = splats.v_max = -kInfinity;
+  const auto include = [&](float u, float u_end, float v, float v_end) {
+    splats.u_min = std::min(splats.u_min, u), splats.u_max = std::max(splats.u_max, u_end);
+    splats.v_min = std::min(splats.v_min, v), splats.v_max = std::max(splats.v_max, v_end);
+  };
+  for (const float disparity : splats.disparity) {
+    splats.min_disparity = std::min(splats.min_disparity, disparity);
+    splats.max_disparity = std::max(splats.max_disparity, disparity);
+  }
+  for (const SplatRun& run : splats.runs)
+    include(run.u0, run.u0 + static_cast<float>(run.count - 1) * splats.pitch, run.v, run.v);
+  for (const PieceSquare& square : splats.pieces.squares) {
+    splats.min_disparity = std::min(splats.min_disparity, square.lowest);
+    splats.max_disparity = std::max(splats.max_disparity, square.highest);
+    const float u = splats.tangent(square.column), v = splats.tangent(square.row);
+    const float length = static_cast<float>(kSquareEdge - 1) * splats.pitch;
+    include(u, u + length, v, v + length);
   }
 }
 
@@ -171,19 +179,18 @@ std::size_t heap_bytes(const std::vector<T>& values) {
 
 std::size_t Splats::memory_bytes() const {
   return heap_bytes(runs) + heap_bytes(links) + heap_bytes(disparity) + heap_bytes(colour) + heap_bytes(reach) +
-         blocks.memory_bytes();
+         blocks.memory_bytes() + pieces.memory_bytes();
 }
 
-Splats build_splats(const Tile& tile) {
+Splats build_splats(const Tile& tile, bool with_pieces) {
   Splats splats;
   splats.face = tile.id.face;
   splats.pitch = static_cast<float>(sample_pitch(tile.edge_samples));
-  const std::size_t covered =
-      static_cast<std::size_t>(std::count_if(tile.coverage.begin(), tile.coverage.end(), [](auto c) { return c != 0; }));
-  splats.disparity.reserve(covered);
-  splats.colour.reserve(covered);
-  splats.reach.reserve(covered);
-  SplatsBuilder builder(tile, splats);
+  splats.first_tangent = static_cast<float>(sample_tangent(tile.edge_samples, 0));
+  InPieces in_pieces(tile.samples(), 0);
+  if (with_pieces) splats.pieces = find_surface_pieces(tile, in_pieces);
+  splats.drawn = splats.pieces.samples;
+  SplatsBuilder builder(tile, in_pieces, splats);
   if (tile.is_packed()) {
     append_packed(tile, builder);
   } else {

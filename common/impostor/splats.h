@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "common/impostor/splat_blocks.h"
+#include "common/impostor/splat_reach.h"
+#include "common/impostor/surface_pieces.h"
 #include "common/impostor/tile.h"
 
 namespace farfield {
@@ -21,19 +23,6 @@ struct SplatRun {
   std::uint32_t count = 0;
 };
 
-/// How far a sample's surface reaches towards a neighbour, in sixteenths of the sample spacing. A recorded cut gives an
-/// odd number; towards a neighbour of the same surface, splats overlap a little, as curved surfaces need it.
-inline constexpr std::uint32_t kReachToNothing = 8;     // nothing is known of what lies there
-inline constexpr std::uint32_t kReachConnected = 10;    // the neighbour is held, see Splats
-/// Four reaches as nibbles: left, right, up, down from the lowest. Left and right are along u, up and down along v
-/// (down: towards larger v).
-inline constexpr std::uint16_t pack_reach(std::uint32_t left, std::uint32_t right, std::uint32_t up,
-                                          std::uint32_t down) {
-  return static_cast<std::uint16_t>(left | right << 4 | up << 8 | down << 12);
-}
-inline constexpr std::uint16_t kReachHalfway =
-    pack_reach(kReachToNothing, kReachToNothing, kReachToNothing, kReachToNothing);
-
 /// Where the neighbours along v of samples from `first` on stand: `up` entries before them, `down` entries after them.
 /// Holds until the next link begins, for the samples connected to such a neighbour; the others may ignore it, but the
 /// place it names is within the arrays.
@@ -42,6 +31,8 @@ struct SplatLink {
   std::uint16_t up = 0, down = 0;
 };
 
+/// What is plane stands in `pieces`; the rest, sample by sample, in the arrays.
+///
 /// The arrays from `disparity` on hold one entry per sample, 10 bytes together, by rows of the face. A sample connected
 /// to its left or right neighbour has it as the entry before or after its own, whether or not that is in a run; one
 /// connected along v finds it by the links. Slopes and the colours between samples follow from the neighbours. Samples in
@@ -49,9 +40,11 @@ struct SplatLink {
 struct Splats {
   int face = 0;
   float pitch = 0;                       // sample spacing in tangent units
-  float min_disparity = 0, max_disparity = 0;
+  float min_disparity = 0, max_disparity = 0;                // of all that is drawn
   float u_min = 0, u_max = 0, v_min = 0, v_max = 0;
-  std::uint32_t drawn = 0;               // samples in runs
+  std::uint32_t drawn = 0;               // samples in runs and pieces
+  SurfacePieces pieces;
+  float first_tangent = 0;               // of the face's sample (0, 0), along u and v: what squares count from
   std::vector<SplatRun> runs;
   std::vector<SplatLink> links;          // by ascending `first`; the first begins at 0
   std::vector<float> disparity;          // 1/(cell side)
@@ -60,11 +53,13 @@ struct Splats {
   SplatBlocks blocks;                    // find_blocks()
 
   std::size_t size() const { return disparity.size(); }
+  /// Of a column or row of the face.
+  float tangent(int index) const { return first_tangent + pitch * static_cast<float>(index); }
   std::size_t memory_bytes() const;      // on the heap
 };
 
 /// Of the rows and columns a dense tile shares with its neighbours, the outer ones are in no run: the tiles before and
 /// after draw them. No array keeps spare capacity. O(samples).
-Splats build_splats(const Tile& tile);
+Splats build_splats(const Tile& tile, bool with_pieces = kPiecesAreFaster);
 
 }  // namespace farfield

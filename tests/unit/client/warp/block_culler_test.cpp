@@ -15,7 +15,7 @@ namespace {
 constexpr int kEdge = 96;
 
 /// Surfaces of many slopes with steps between them, some samples missing, cuts anywhere.
-std::shared_ptr<DecodedTile> rough_tile(std::mt19937& random, float least, float most) {
+std::shared_ptr<DecodedTile> rough_tile(std::mt19937& random, float least, float most, bool with_pieces) {
   const auto uniform = [&](float a, float b) { return std::uniform_real_distribution<float>(a, b)(random); };
   Tile tile;
   tile.edge_samples = face_samples(1);
@@ -34,7 +34,8 @@ std::shared_ptr<DecodedTile> rough_tile(std::mt19937& random, float least, float
   }
   auto decoded = std::make_shared<DecodedTile>();
   decoded->id = tile.id;
-  decoded->splats = build_splats(tile);
+  tile.disparity_tolerance = 4e-4f;
+  decoded->splats = build_splats(tile, with_pieces);
   return decoded;
 }
 
@@ -48,7 +49,8 @@ class BlockCuller : public testing::Test {
  protected:
   VisibleBlocks find(const DecodedTile& tile, const Pose& eye, const PixelWindow& window) const {
     const glm::dmat3 pixels = pixels_from_directions(eye.world_from_camera, display);
-    return find_visible_blocks(TileProjection::of(tile, eye.position, pixels), tile.splats, window, keys.data());
+    ShownDepths shown(window, keys.data());
+    return find_visible_blocks(TileProjection::of(tile, eye.position, pixels), tile.splats, window, shown);
   }
   Display display = display_on_samples(kEdge, 80, 80);
   std::shared_ptr<DecodedTile> tile = plane_tile({0, 0, 0}, 1.0, 4.0, kEdge, [](double, double) { return 0xffu; });
@@ -84,7 +86,8 @@ TEST(BlockCulling, ChangesNoPixel) {
   std::mt19937 random(8);
   const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
   std::vector<std::shared_ptr<const DecodedTile>> tiles;
-  for (int k = 0; k < 4; ++k) tiles.push_back(rough_tile(random, 0.3f - 0.07f * k, 0.45f - 0.07f * k));
+  for (int k = 0; k < 4; ++k) tiles.push_back(rough_tile(random, 0.3f - 0.07f * k, 0.45f - 0.07f * k, k % 2 == 0));
+  ASSERT_GT(tiles[0]->splats.pieces.samples, 5000u);
   const LeafView leaf = leaf_of(tiles);
   Display display;
   display.width = 211, display.height = 133;
