@@ -172,24 +172,43 @@ VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats
   return visible;
 }
 
+namespace {
+
+/// Of squares whose samples (0, 0) stand in columns [first_column, last_column] and rows alike, the k-th box.
+void set_box(const Splats& splats, std::size_t k, const SquareGroup& squares, Boxes& boxes) {
+  constexpr int kAfter = kSquareEdge;  // one sample beyond the last
+  boxes.u_low[k] = splats.tangent(squares.first_column - 1), boxes.u_high[k] = splats.tangent(squares.last_column + kAfter);
+  boxes.v_low[k] = splats.tangent(squares.first_row - 1), boxes.v_high[k] = splats.tangent(squares.last_row + kAfter);
+  boxes.d_low[k] = squares.lowest, boxes.d_high[k] = squares.highest;
+}
+
+std::uint32_t find_visible_boxes(const BoxProjection& to_window, const Boxes& boxes, std::size_t count, ShownDepths& shown) {
+  Reaches reaches;
+  to_window.project(boxes, reaches);
+  std::uint32_t visible = 0;
+  for (int k = 0; k < static_cast<int>(count); ++k) {
+    if (lands(reaches, k) && !shown.hide(pixels_of(reaches, k), reaches.nearest[k])) visible |= 1u << k;
+  }
+  return visible;
+}
+
+}  // namespace
+
+std::uint32_t find_visible_groups(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
+                                  ShownDepths& shown, std::size_t begin, std::size_t end) {
+  Boxes boxes;
+  for (std::size_t k = 0; k < kColumns; ++k) set_box(splats, k, splats.pieces.groups[std::min(begin + k, end - 1)], boxes);
+  return find_visible_boxes(BoxProjection(projection, splats, window), boxes, end - begin, shown);
+}
+
 std::uint32_t find_visible_squares(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
                                    ShownDepths& shown, std::size_t begin, std::size_t end) {
-  const BoxProjection to_window(projection, splats, window);
-  const float length = splats.pitch * static_cast<float>(kSquareEdge + 1);
   Boxes boxes;
   for (std::size_t k = 0; k < kColumns; ++k) {
     const PieceSquare& square = splats.pieces.squares[std::min(begin + k, end - 1)];
-    boxes.u_low[k] = splats.tangent(square.column) - splats.pitch, boxes.u_high[k] = boxes.u_low[k] + length;
-    boxes.v_low[k] = splats.tangent(square.row) - splats.pitch, boxes.v_high[k] = boxes.v_low[k] + length;
-    boxes.d_low[k] = square.lowest, boxes.d_high[k] = square.highest;
+    set_box(splats, k, {square.column, square.column, square.row, square.row, square.lowest, square.highest}, boxes);
   }
-  Reaches squares;
-  to_window.project(boxes, squares);
-  std::uint32_t visible = 0;
-  for (int k = 0; k < static_cast<int>(end - begin); ++k) {
-    if (lands(squares, k) && !shown.hide(pixels_of(squares, k), squares.nearest[k])) visible |= 1u << k;
-  }
-  return visible;
+  return find_visible_boxes(BoxProjection(projection, splats, window), boxes, end - begin, shown);
 }
 
 }  // namespace farfield::client

@@ -26,7 +26,11 @@ using VisibleBlocks = std::array<std::uint32_t, SplatBlocks::kColumns>;
 VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
                                   ShownDepths& shown);
 
-/// The same for squares of plane pieces, [begin, end) of splats.pieces.squares, at most kColumns of them: bit k tells that
+/// The same for groups [begin, end) of squares of plane pieces, at most kColumns of them: bit k tells that some of group
+/// begin + k may be to be drawn.
+std::uint32_t find_visible_groups(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
+                                  ShownDepths& shown, std::size_t begin, std::size_t end);
+/// And for the squares themselves, [begin, end) of splats.pieces.squares, at most kColumns of them: bit k tells that
 /// square begin + k is to be drawn.
 std::uint32_t find_visible_squares(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
                                    ShownDepths& shown, std::size_t begin, std::size_t end);
@@ -44,16 +48,20 @@ inline void fetch_square(const SurfacePieces& pieces, std::size_t square) {
   __builtin_prefetch(&pieces.pieces[pieces.squares[square].first_piece]);
 }
 
-/// Calls f(square) for all that are to be drawn, each asked for after those of the kColumns before it were drawn.
+/// Calls f(square) for all that are to be drawn, each asked for after those of the groups before were drawn.
 template <class F>
 void for_each_visible_square(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
                              ShownDepths& shown, F&& f) {
-  constexpr std::size_t kAtOnce = SplatBlocks::kColumns;
-  const std::size_t count = splats.pieces.squares.size();
-  for (std::size_t begin = 0; begin < count; begin += kAtOnce) {
-    std::uint32_t visible = find_visible_squares(projection, splats, window, shown, begin, std::min(begin + kAtOnce, count));
-    for (std::uint32_t soon = visible; soon != 0; soon &= soon - 1) fetch_square(splats.pieces, begin + static_cast<std::size_t>(std::countr_zero(soon)));
-    for (; visible != 0; visible &= visible - 1) f(begin + static_cast<std::size_t>(std::countr_zero(visible)));
+  const std::size_t groups = splats.pieces.groups.size(), squares = splats.pieces.squares.size();
+  const auto place = [](std::uint32_t bits) { return static_cast<std::size_t>(std::countr_zero(bits)); };
+  for (std::size_t first = 0; first < groups; first += SplatBlocks::kColumns) {
+    const std::size_t last = std::min(first + SplatBlocks::kColumns, groups);
+    for (std::uint32_t left = find_visible_groups(projection, splats, window, shown, first, last); left != 0; left &= left - 1) {
+      const std::size_t begin = (first + place(left)) * kGroupSquares;
+      std::uint32_t visible = find_visible_squares(projection, splats, window, shown, begin, std::min(begin + kGroupSquares, squares));
+      for (std::uint32_t soon = visible; soon != 0; soon &= soon - 1) fetch_square(splats.pieces, begin + place(soon));
+      for (; visible != 0; visible &= visible - 1) f(begin + place(visible));
+    }
   }
 }
 

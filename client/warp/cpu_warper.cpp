@@ -30,7 +30,8 @@ struct TileJob {
   TileFootprint footprint;
 };
 
-/// Merges the near layer into rows of the key buffer.
+/// Merges the near layer into rows of the key buffer; `is_first`: nothing is there yet.
+template <bool is_first>
 void merge_near(const NearLayer& near, const Display& display, int first_row, int last_row, std::uint64_t* keys) {
   const int width = display.width, scale = width / near.width;  // frame pixels per layer pixel
   assert(near.width * scale == width && near.height * scale == display.height);
@@ -48,9 +49,9 @@ void merge_near(const NearLayer& near, const Display& display, int first_row, in
     }
     std::uint64_t* __restrict row = keys + y * stride;
     if (scale == 1) {
-      for (std::size_t x = 0; x < stride; ++x) row[x] = row[x] < layer[x] ? layer[x] : row[x];
+      for (std::size_t x = 0; x < stride; ++x) row[x] = is_first || row[x] < layer[x] ? layer[x] : row[x];
     } else {
-      for (int x = 0; x < width; ++x) row[x] = std::max(row[x], layer[static_cast<std::size_t>(x / scale)]);
+      for (int x = 0; x < width; ++x) row[x] = std::max(is_first ? kNoSplat : row[x], layer[static_cast<std::size_t>(x / scale)]);
     }
   }
 }
@@ -125,12 +126,19 @@ void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Disp
   const auto stride = static_cast<std::size_t>(display.width);
   keys.resize(stride * static_cast<std::size_t>(display.height));
   for_each_band(display.width, display.height, [&](int first_row, int last_row) {
-    std::fill(keys.data() + first_row * stride, keys.data() + last_row * stride, kNoSplat);
-    if (near) merge_near(*near, display, first_row, last_row, keys.data());
+    if (near) {
+      merge_near<true>(*near, display, first_row, last_row, keys.data());
+    } else {
+      std::fill(keys.data() + first_row * stride, keys.data() + last_row * stride, kNoSplat);
+    }
     const PixelWindow window{display.width, first_row, last_row};
     ShownDepths shown(window, keys.data());
     for (const TileJob& job : jobs) {
-      if (job.footprint.last_row < first_row || job.footprint.first_row >= last_row) continue;
+      const TileFootprint& foot = job.footprint;
+      if (foot.last_row < first_row || foot.first_row >= last_row) continue;
+      const PixelRectangle within{foot.first_column, foot.last_column, std::max(foot.first_row, first_row),
+                                  std::min(foot.last_row, last_row - 1)};
+      if (options.kernel == ProjectionKernel::kVector && shown.hide(within, foot.nearest)) continue;
       scatter_tile(*job.splats, job.projection, window, options.kernel, shown, keys.data());
     }
   });
@@ -141,7 +149,7 @@ void CpuWarper::State::resolve(const NearLayer* near, Frame& frame) {
   frame.statistics = statistics;
   if (near) {
     for_each_band(frame.width, frame.height, [&](int first_row, int last_row) {
-      merge_near(*near, display, first_row, last_row, keys.data());
+      merge_near<false>(*near, display, first_row, last_row, keys.data());
     });
   }
   std::atomic<std::uint64_t> cracks{0}, uncovered{0};

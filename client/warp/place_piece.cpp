@@ -19,14 +19,13 @@ constexpr double kFarOff = 1 << 20;
 struct Extent {
   double left, right, top, bottom;
   Extent(const SurfacePiece& piece, bool is_whole) {
-    std::uint32_t columns = 0, rows = 0;
-    for (int j = 0; j < kSquareEdge; ++j) {
-      const auto row = static_cast<std::uint32_t>(piece.own >> (kSquareEdge * j) & 0xff);
-      columns |= row, rows |= (row != 0 ? 1u : 0u) << j;
-    }
+    std::uint64_t folded = piece.own | piece.own >> 32;
+    folded |= folded >> 16;
+    const auto columns = static_cast<std::uint32_t>((folded | folded >> 8) & 0xff);
     const double reach = is_whole ? kConnectedReach : kFarthestReach;
     left = std::countr_zero(columns) - reach, right = std::bit_width(columns) - 1 + reach;
-    top = std::countr_zero(rows) - reach, bottom = std::bit_width(rows) - 1 + reach;
+    top = std::countr_zero(piece.own) / kSquareEdge - reach;
+    bottom = (std::bit_width(piece.own) - 1) / kSquareEdge + reach;
   }
 };
 
@@ -55,10 +54,9 @@ void find_pixels(const Extent& extent, const glm::dvec3& p, const glm::dvec3& p_
   placed.top = placed.origin_y + whole_pixel(std::ceil(y_low)), placed.bottom = placed.origin_y + whole_pixel(std::floor(y_high));
 }
 
-/// See PlacedPiece. `along`: how (X, Y, w) changes per sample; middle: where, X and Y counted from the pixel there.
-int farthest_along(const glm::dvec3& along, const glm::dvec3& middle) {
-  const double x = along.x - middle.x / middle.z * along.z, y = along.y - middle.y / middle.z * along.z;
-  const double pixels = std::max(std::fabs(x), std::fabs(y)) / middle.z;  // per sample
+/// See PlacedPiece. `along`: how (X, Y, w) changes per sample at a place `per_w` = 1/w, its pixel (x, y).
+int farthest_along(const glm::dvec3& along, double x, double y, double per_w) {
+  const double pixels = std::max(std::fabs(along.x - x * along.z), std::fabs(along.y - y * along.z)) * per_w;  // per sample
   if (!(pixels > kMaxReach)) return kPositionSteps;
   return static_cast<int>(kMaxReach * kPositionSteps / pixels);
 }
@@ -81,8 +79,9 @@ bool place_piece(const TileProjection& projection, const Splats& splats, const P
   // Pixels are counted from the one at the square's middle: numbers stay small, and floats are enough.
   constexpr double kMiddle = 0.5 * (kSquareEdge - 1);
   const glm::dvec3 middle = p + kMiddle * (p_u + p_v);
-  placed.origin_x = placed.origin_y = 0;
-  if (middle.z > 0) placed.origin_x = whole_pixel(middle.x / middle.z), placed.origin_y = whole_pixel(middle.y / middle.z);
+  const double middle_per_w = 1.0 / middle.z, middle_x = middle.x * middle_per_w, middle_y = middle.y * middle_per_w;
+  const bool is_in_front = middle.z > 0;
+  placed.origin_x = is_in_front ? whole_pixel(middle_x) : 0, placed.origin_y = is_in_front ? whole_pixel(middle_y) : 0;
   const double centre_x = placed.origin_x + 0.5, centre_y = placed.origin_y + 0.5;
   for (glm::dvec3* column : {&p, &p_u, &p_v}) column->x -= centre_x * column->z, column->y -= centre_y * column->z;
   const bool is_whole = square.first_reach == SurfacePieces::kAllConnected;
@@ -92,25 +91,35 @@ bool place_piece(const TileProjection& projection, const Splats& splats, const P
   if (placed.left > placed.right || placed.top > placed.bottom) return false;
 
   const glm::dvec3 by_i = glm::cross(p_v, p), by_j = glm::cross(p, p_u), by_w = glm::cross(p_u, p_v);
-  const double per_volume = 1.0 / glm::dot(p_u, by_i);  // seen edge-on it is infinite: no pixel passes the tests then
+  const double volume = glm::dot(p_u, by_i), per_volume = 1.0 / volume;  // seen edge-on it is infinite: no pixel passes the tests then
   placed.column = linear(by_i, kPositionSteps * per_volume), placed.row = linear(by_j, kPositionSteps * per_volume);
   placed.per_w = linear(by_w, per_volume);
   // Pixels per sample at the middle: the volume over w³.
-  const double area = std::fabs(1.0 / (per_volume * middle.z * middle.z * middle.z));
+  const double area = std::fabs(volume * middle_per_w * middle_per_w * middle_per_w);
   const double footprint = area > 1 ? std::min(area - 1, double{kLargestFootprint}) : 0;
   placed.disparity = linear(d * by_w + d_u * by_i + d_v * by_j,
                             per_volume * projection.disparity_scale * (1 - kFootprintPenalty * footprint));
   placed.piece = &piece;
   const auto index = static_cast<std::size_t>(&square - splats.pieces.squares.data());
   placed.farthest_u = placed.farthest_v = kPositionSteps;
-  if (middle.z > 0) {
-    const glm::dvec3 from_pixel(middle.x - centre_x * middle.z, middle.y - centre_y * middle.z, middle.z);
-    placed.farthest_u = farthest_along(p_u, from_pixel), placed.farthest_v = farthest_along(p_v, from_pixel);
+  if (is_in_front) {
+    placed.farthest_u = farthest_along(p_u, middle_x - centre_x, middle_y - centre_y, middle_per_w);
+    placed.farthest_v = farthest_along(p_v, middle_x - centre_x, middle_y - centre_y, middle_per_w);
   }
   const bool is_cut_short = std::min(placed.farthest_u, placed.farthest_v) < kConnectedReach * kPositionSteps;
   placed.reach = is_whole ? (is_cut_short ? kAllConnectedReaches.data() : nullptr) : &splats.pieces.reach[square.first_reach];
   placed.texels = &splats.pieces.texels[index * kSquareTexelBytes];
   return true;
+}
+
+float nearest_of(const PlacedPiece& placed) {
+  const ScreenLinear& f = placed.disparity;
+  const auto at = [](int pixel, int origin) { return static_cast<float>(pixel - origin); };
+  const float x_a = f.along_x * at(placed.left, placed.origin_x), x_b = f.along_x * at(placed.right, placed.origin_x);
+  const float y_a = f.along_y * at(placed.top, placed.origin_y), y_b = f.along_y * at(placed.bottom, placed.origin_y);
+  // Four roundings of numbers up to the sum of the terms' sizes, here and where pixels are drawn.
+  const float sizes = std::fabs(f.origin) + std::max(std::fabs(x_a), std::fabs(x_b)) + std::max(std::fabs(y_a), std::fabs(y_b));
+  return f.origin + std::max(x_a, x_b) + std::max(y_a, y_b) + 0x1p-21f * sizes;
 }
 
 }  // namespace farfield::client

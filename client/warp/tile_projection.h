@@ -35,7 +35,9 @@ glm::dmat3 pixels_from_directions(const glm::dquat& world_from_camera, const Dis
 /// Where a tile's splats can land.
 struct TileFootprint {
   bool is_visible = false;
-  int first_row = 0, last_row = -1;  // pixel rows, inclusive, within the frame
+  int first_row = 0, last_row = -1;        // pixel rows, inclusive, within the frame
+  int first_column = 0, last_column = -1;  // columns alike
+  float nearest = 0;                       // the largest eye disparity there can be
 };
 
 TileFootprint find_footprint(const TileProjection& projection, const Splats& splats, const Display& display);

@@ -307,10 +307,22 @@ void add_packed(const Tile& tile, PieceFinder& finder) {
   }
 }
 
+void find_groups(SurfacePieces& found) {
+  for (std::size_t k = 0; k < found.squares.size(); ++k) {
+    const PieceSquare& square = found.squares[k];
+    if (k % kGroupSquares == 0) found.groups.push_back({square.column, square.column, square.row, square.row, square.lowest, square.highest});
+    SquareGroup& group = found.groups.back();
+    group.first_column = std::min(group.first_column, square.column), group.last_column = std::max(group.last_column, square.column);
+    group.first_row = std::min(group.first_row, square.row), group.last_row = std::max(group.last_row, square.row);
+    group.lowest = std::min(group.lowest, square.lowest), group.highest = std::max(group.highest, square.highest);
+  }
+  found.groups.shrink_to_fit();
+}
+
 }  // namespace
 
 std::size_t SurfacePieces::memory_bytes() const {
-  return squares.capacity() * sizeof(PieceSquare) + pieces.capacity() * sizeof(SurfacePiece) +
+  return squares.capacity() * sizeof(PieceSquare) + groups.capacity() * sizeof(SquareGroup) + pieces.capacity() * sizeof(SurfacePiece) +
          reach.capacity() * sizeof(std::uint16_t) + texels.capacity();
 }
 
@@ -324,6 +336,7 @@ SurfacePieces find_surface_pieces(const Tile& tile, InPieces& in_pieces) {
   } else {
     add_dense(tile, finder);
   }
+  find_groups(found);
   if (!found.squares.empty()) found.texels.resize(found.texels.size() + kTexelPadding, 0);
   found.squares.shrink_to_fit(), found.pieces.shrink_to_fit(), found.reach.shrink_to_fit(), found.texels.shrink_to_fit();
   return found;

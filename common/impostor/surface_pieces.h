@@ -41,6 +41,13 @@ struct PieceSquare {
   float lowest = 0, highest = 0;      // disparities within one sample of its pieces' samples
 };
 
+/// What kGroupSquares squares that follow each other have in common.
+struct SquareGroup {
+  std::uint16_t first_column = 0, last_column = 0, first_row = 0, last_row = 0;  // of the squares' samples (0, 0)
+  float lowest = 0, highest = 0;
+};
+inline constexpr std::size_t kGroupSquares = 16;
+
 struct SurfacePiece {
   std::uint64_t own = 0;  // bit 8·j + i: sample (i, j) is the piece's
   float disparity = 0, slope_u = 0, slope_v = 0;  // at sample (0, 0) of the square, and per sample
@@ -52,6 +59,7 @@ struct SurfacePieces {
   static constexpr std::uint32_t kAllConnected = ~0u;
 
   std::vector<PieceSquare> squares;
+  std::vector<SquareGroup> groups;
   std::vector<SurfacePiece> pieces;
   std::vector<std::uint16_t> reach;   // 64 per square that has them, by rows; of samples in no piece 0
   std::vector<std::uint8_t> texels;   // [square][row + 1][column + 1][RGB], sRGB, and kTexelPadding bytes
