@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour of a tile, less its surfaces' base colours: cosine transform of 8×8 blocks, one quantiser step for all
-// coefficients, context-mixed coding.
+// Colour of a tile, less its surfaces' base colours: cosine transform of 8×8 blocks, quantised a little finer where
+// eyes are keen, context-mixed coding.
 //
 // Why no library does this: a tile is a kilobyte or two, half of its blocks are covered in part only, and what is not
 // covered may be anything. JPEG (tables of quality for the eye, no use of neighbours or coverage) takes twice the bytes at the same
@@ -12,7 +12,7 @@
 
 namespace farfield {
 
-/// The quantiser's step for a quality of 1…100, in sRGB levels of an orthonormal transform.
+/// The quantiser's step for a quality of 1…100, in sRGB levels of an orthonormal transform, of middle frequencies.
 float colour_step(int quality);
 
 /// `rgb`: 3 bytes per sample of the tile, differences around 128. Uncovered samples are not kept.

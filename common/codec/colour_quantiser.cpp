@@ -28,14 +28,14 @@ float mean_of(const ColourPlane& plane) {
 // Samples that nobody sees take the values that need the fewest coefficients: those of the block's largest coefficients
 // alone, by turns with the covered samples as they are (alternating projections: Papoulis 1975, Gerchberg 1974), while what
 // counts as large falls to what will be sent.
-void fill_uncovered_samples(const BlockTransform& transform, ColourPlane& plane, float step) {
+void fill_uncovered_samples(const BlockTransform& transform, ColourPlane& plane, const BlockPlane& steps) {
   const float mean = mean_of(plane);
   for (std::uint64_t todo = ~plane.covered; todo != 0; todo &= todo - 1) plane.samples[std::countr_zero(todo)] = mean;
   for (int round = kFillRounds - 1; round >= 0; --round) {
     BlockPlane coefficients = transform.forward(plane.samples);
-    const float least = step * (0.6f + 0.5f * static_cast<float>(round));
+    const float least = 0.6f + 0.5f * static_cast<float>(round);
     for (int k = 1; k < kCoefficients; ++k)
-      if (std::abs(coefficients[k]) < least) coefficients[k] = 0;
+      if (std::abs(coefficients[k]) < least * steps[k]) coefficients[k] = 0;
     const BlockPlane smooth = transform.inverse(coefficients);
     for (std::uint64_t todo = ~plane.covered; todo != 0; todo &= todo - 1) plane.samples[std::countr_zero(todo)] = smooth[std::countr_zero(todo)];
   }
@@ -52,16 +52,16 @@ bool is_flat(const ColourPlane& plane, float mean, float step) {
 }
 
 // Coefficients in steps; all but the first are 0 where the plane is flat.
-BlockPlane coefficients_of(const BlockTransform& transform, ColourPlane& plane, float step) {
+BlockPlane coefficients_of(const BlockTransform& transform, ColourPlane& plane, const BlockPlane& steps) {
   BlockPlane coefficients{};
   const float mean = mean_of(plane);
-  if (is_flat(plane, mean, step)) {
-    coefficients[0] = kBlockSamples * mean / step;
+  if (is_flat(plane, mean, steps[1])) {  // of all but the mean the smallest
+    coefficients[0] = kBlockSamples * mean / steps[0];
     return coefficients;
   }
-  if (~plane.covered != 0) fill_uncovered_samples(transform, plane, step);
+  if (~plane.covered != 0) fill_uncovered_samples(transform, plane, steps);
   coefficients = transform.forward(plane.samples);
-  for (float& value : coefficients) value /= step;
+  for (int k = 0; k < kCoefficients; ++k) coefficients[k] /= steps[k];
   return coefficients;
 }
 
@@ -100,7 +100,7 @@ std::int16_t level_of(float value, float least) {
 
 }  // namespace
 
-std::vector<ColourBlock> quantise_colours(std::vector<ColourPlane>& planes, float step) {
+std::vector<ColourBlock> quantise_colours(std::vector<ColourPlane>& planes, const ColourSteps& steps) {
   const BlockTransform transform;
   std::vector<BlockPlane> coefficients(planes.size());
   std::vector<int> counts(planes.size());
@@ -108,7 +108,7 @@ std::vector<ColourBlock> quantise_colours(std::vector<ColourPlane>& planes, floa
   const auto places_of = [&](std::size_t i) -> LikelyPlaces& { return places[i % kColourPlanes == 0 ? 0 : 1]; };
   for (std::size_t i = 0; i < planes.size(); ++i) {
     if (planes[i].covered == 0) continue;
-    coefficients[i] = coefficients_of(transform, planes[i], step);
+    coefficients[i] = coefficients_of(transform, planes[i], steps.of(i % kColourPlanes));
     counts[i] = places_of(i).add(coefficients[i]);
   }
   std::vector<ColourBlock> blocks(planes.size() / kColourPlanes);

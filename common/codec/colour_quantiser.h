@@ -2,7 +2,7 @@
 // Which levels to send for the colours of a tile's blocks: the cheapest for what they leave of the error.
 //
 // Based on: Y. Shoham & A. Gersho, "Efficient bit allocation for an arbitrary set of quantizers", 1988: whatever is sent, a
-// byte should buy the same error everywhere. With one step for all coefficients it does, but for those that are small:
+// byte should buy the same error everywhere. With its step a coefficient does, but for those that are small:
 // these are dropped where the bits they cost buy less than that.
 #pragma once
 
@@ -19,7 +19,13 @@ struct ColourPlane {
   std::uint64_t covered = 0;
 };
 
-/// `planes`: kColourPlanes for each block. `step`: the quantiser's. The same for the same input, whatever thread.
-std::vector<ColourBlock> quantise_colours(std::vector<ColourPlane>& planes, float step);
+/// The quantiser's step for each coefficient, of luma and of colour differences.
+struct ColourSteps {
+  BlockPlane luma, difference;
+  const BlockPlane& of(std::size_t plane) const { return plane == 0 ? luma : difference; }
+};
+
+/// `planes`: kColourPlanes for each block. The same for the same input, whatever thread.
+std::vector<ColourBlock> quantise_colours(std::vector<ColourPlane>& planes, const ColourSteps& steps);
 
 }  // namespace farfield
