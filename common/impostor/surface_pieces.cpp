@@ -13,7 +13,7 @@ namespace farfield {
 namespace {
 
 /// How far a sample may lie off its piece's plane, in parts of the tile's tolerance.
-constexpr float kPlaneShare = 1.0f / 4.0f;
+constexpr float kPlaneShare = 1.0f / 8.0f;
 /// Smaller pieces cost more than their samples drawn one by one.
 constexpr int kLeastSamples = 6;
 

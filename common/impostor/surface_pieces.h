@@ -75,7 +75,7 @@ struct SurfacePieces {
 using InPieces = std::vector<std::uint8_t>;
 
 /// `in_pieces` gets 1 for every sample that is in a piece; others must be drawn one by one. Pieces leave no sample farther
-/// off than a quarter of the tile's tolerance; a tile without tolerance has none. Those a tile leaves to its neighbours
+/// off than an eighth of the tile's tolerance; a tile without tolerance has none. Those a tile leaves to its neighbours
 /// (DrawnSamples) are in none. O(samples).
 SurfacePieces find_surface_pieces(const Tile& tile, InPieces& in_pieces);
 

@@ -91,7 +91,7 @@ Tile ragged(std::mt19937& random) {
   Tile tile = plane_of({0.1, 0.05, 0.3});
   for (std::size_t k = 0; k < tile.samples(); ++k) {
     const std::size_t i = k % kEdge, j = k / kEdge;
-    tile.disparity[k] += 0.1f * static_cast<float>((i / 11 + j / 13) % 3) + 2e-4f * static_cast<float>(i % 11 * (j % 3));
+    tile.disparity[k] += 0.1f * static_cast<float>((i / 11 + j / 13) % 3) + 1e-4f * static_cast<float>(i % 11 * (j % 3));
     if (i % 11 == 10 && random() % 4) tile.cut_right[k] = static_cast<std::uint8_t>(1 + random() % 8);
     if (j % 13 == 12 && random() % 4) tile.cut_down[k] = static_cast<std::uint8_t>(1 + random() % 8);
     if (random() % 60 == 0) tile.coverage[k] = 0;

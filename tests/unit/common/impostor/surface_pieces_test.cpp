@@ -14,8 +14,8 @@ namespace farfield {
 namespace {
 
 constexpr float kTolerance = 1e-3f;
-/// A quarter, and what float rounding adds.
-constexpr float kFarthestOff = kTolerance / 4 + 1e-7f;
+/// An eighth, and what float rounding adds.
+constexpr float kFarthestOff = kTolerance / 8 + 1e-7f;
 
 Tile dense_tile(float (*disparity)(int i, int j)) {
   Tile tile;
