@@ -132,12 +132,6 @@ Result<std::shared_ptr<const BoxVisibility>> CellTree::visibility(const CellId& 
   const Box near_box = shells_.near_region(cell);
   auto made = std::make_shared<BoxVisibility>(probe_visibility(
       *scene_, shells_.grid.box(cell), near_box, {.enclosure_voxel_m = voxel_m_, .cancel = pointer(cancel)}));
-  // Where everything near fits the budget nothing needs to be left out.
-  const std::vector<std::uint32_t> all = scene_->chunks_in(near_box);
-  if (const std::size_t triangles = triangles_of(all); triangles <= near_triangles_) {
-    made->near_chunks = all;
-    made->near_triangles = triangles;
-  }
   if (is_cancelled(cancel)) return fail(ErrorCode::kCancelled, "cancelled");
   remember(cell, made);
   return made;
