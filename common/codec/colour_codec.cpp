@@ -11,8 +11,7 @@ namespace {
 
 // How much finer or coarser than colour_step() the mean, the lowest and the highest frequency are quantised: eyes see
 // gradual errors in smooth surfaces, and of colour almost nothing else (the contrast sensitivity that FLIP models: Andersson et
-// al. 2020, section 4.1). With one step for all, FLIP was a tenth larger at as many bytes
-// and the same squared error.
+// al. 2020, section 4.1).
 struct StepScale {
   float mean, low, high;
 };
