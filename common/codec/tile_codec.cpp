@@ -2,6 +2,7 @@
 #include "common/codec/tile_codec.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "common/codec/colour_codec.h"
@@ -15,14 +16,56 @@ namespace farfield {
 namespace {
 
 constexpr std::uint16_t kMagic = 0x5446;  // "FT"
-constexpr std::uint8_t kVersion = 3;
+constexpr std::uint8_t kVersion = 4;
+constexpr std::size_t kCertificatePlace = 39, kCertificateBytes = 15;  // in the header, of which it is the end
 constexpr std::size_t kMaxBlocks = std::size_t{kRegionBlocks} * kRegionBlocks;
 
 bool is_possible_tolerance(float tolerance) { return tolerance > 1e-12f && tolerance < 1e3f; }
 
-// Certificates travel as half precision: they are measurements with two digits.
-std::uint16_t to_code(float value) { return value < 0 ? 0xffff : static_cast<std::uint16_t>(std::clamp(std::log2(value + 1e-9f) * 1000.0f + 32000.0f, 0.0f, 65534.0f)); }
-float from_code(std::uint16_t code) { return code == 0xffff ? -1.0f : std::exp2((static_cast<float>(code) - 32000.0f) / 1000.0f); }
+// Measurements travel with about two digits, never better than they are: a code is a step of 2^(1/steps) upwards from `unit`,
+// rounded up, 0 stands for 0 and the largest for "not measured" and for what lies beyond.
+struct MeasureScale {
+  float unit, steps;
+  int largest;
+};
+constexpr MeasureScale kColourScale{1.0f / 64, 11.0f, 255};     // to 1e5 in steps of 6.5 %: 255² is the most there is
+constexpr MeasureScale kDisparityScale{1e-9f, 1024.0f, 65535};  // as exact as a tile's tolerance
+
+std::uint16_t to_code(float value, const MeasureScale& scale) {
+  if (!(value >= 0)) return static_cast<std::uint16_t>(scale.largest);
+  if (value <= 0) return 0;
+  // A value that is a code's comes back as this code: rounding must not lift it by another step.
+  constexpr float kRounding = 1e-2f;
+  const float step = std::ceil(scale.steps * std::log2(value / scale.unit) - kRounding);
+  return static_cast<std::uint16_t>(std::clamp(step + 1, 1.0f, static_cast<float>(scale.largest)));
+}
+float from_code(std::uint16_t code, const MeasureScale& scale) {
+  if (code == scale.largest) return -1.0f;
+  return code == 0 ? 0.0f : scale.unit * std::exp2((static_cast<float>(code) - 1) / scale.steps);
+}
+
+void put_certificate(ByteWriter& out, const Certificate& c) {
+  for (const std::uint16_t count : {c.void_rays, c.void_hits, c.void_worst_rays, c.void_worst_hits}) out.put(count);
+  for (int k = 0; k < 2; ++k) {
+    out.put(static_cast<std::uint8_t>(to_code(c.colour_mse[k], kColourScale)));
+    out.put(static_cast<std::uint8_t>(to_code(c.colour_mse_error[k], kColourScale)));
+  }
+  out.put(to_code(c.disparity_p99, kDisparityScale));
+  out.put(static_cast<std::uint8_t>((c.missed_void ? 1 : 0) | (c.missed_colour ? 2 : 0)));
+}
+
+Status get_certificate(ByteReader& in, Certificate& c) {
+  for (std::uint16_t* count : {&c.void_rays, &c.void_hits, &c.void_worst_rays, &c.void_worst_hits}) *count = in.get<std::uint16_t>();
+  for (int k = 0; k < 2; ++k) {
+    c.colour_mse[k] = from_code(in.get<std::uint8_t>(), kColourScale);
+    c.colour_mse_error[k] = from_code(in.get<std::uint8_t>(), kColourScale);
+  }
+  c.disparity_p99 = from_code(in.get<std::uint16_t>(), kDisparityScale);
+  const int missed = in.get<std::uint8_t>();
+  c.missed_void = missed & 1, c.missed_colour = missed & 2;
+  if (c.void_hits > c.void_rays || c.void_worst_hits > c.void_worst_rays) return fail(ErrorCode::kBadData, "tile: an impossible certificate");
+  return {};
+}
 
 void put_header(ByteWriter& out, const Tile& tile, int quality) {
   out.put(kMagic);
@@ -34,8 +77,7 @@ void put_header(ByteWriter& out, const Tile& tile, int quality) {
   out.put(static_cast<std::uint16_t>(tile.edge_samples));
   for (int a = 0; a < 3; ++a) out.put(tile.view_offset[a]);
   out.put(tile.disparity_tolerance);
-  const Certificate& c = tile.certificate;
-  for (const float value : {c.void_worst_sr, c.void_mean_sr, c.colour_psnr_db, c.warp_px}) out.put(to_code(value));
+  put_certificate(out, tile.certificate);
 }
 
 // Blocks are sorted by column, then row: gaps in that order are small and positive.
@@ -78,8 +120,7 @@ Status get_header(ByteReader& in, Tile& tile, int& quality, const TileLimits& li
   tile.edge_samples = in.get<std::uint16_t>();
   for (int a = 0; a < 3; ++a) tile.view_offset[a] = in.get<float>();
   tile.disparity_tolerance = in.get<float>();
-  Certificate& c = tile.certificate;
-  for (float* value : {&c.void_worst_sr, &c.void_mean_sr, &c.colour_psnr_db, &c.warp_px}) *value = from_code(in.get<std::uint16_t>());
+  if (Status status = get_certificate(in, tile.certificate); !status) return status;
   if (!in.ok()) return fail(ErrorCode::kBadData, "tile: cut off in its header");
   if (quality < 1 || quality > 100) return fail(ErrorCode::kBadData, "tile: colour quality {} is not in 1…100", quality);
   if (tile.id.cell.level > kMaxCellLevel || tile.id.face >= kCubeFaces) return fail(ErrorCode::kBadData, "tile: no such cell or face");
@@ -127,7 +168,6 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
   if (*tolerance > tile.disparity_tolerance) {
     Tile coarser = tile;
     coarser.disparity_tolerance = *tolerance;
-    if (coarser.certificate.warp_px > 0) coarser.certificate.warp_px *= *tolerance / tile.disparity_tolerance;
     return encode_tile(coarser, encoding, accounting);
   }
   ByteWriter out;
@@ -180,6 +220,15 @@ Result<Tile> decode_tile(ByteView bytes, const TileLimits& limits) {
   put_back_base_colours(bases, find_surfaces(tile, bits), tile.rgb);
   decode_disparity(disparity, bits, tile);
   return tile;
+}
+
+void set_certificate(Bytes& encoded, const Certificate& certificate) {
+  assert(encoded.size() >= kCertificatePlace + kCertificateBytes);
+  ByteWriter out;
+  put_certificate(out, certificate);
+  const Bytes bytes = out.take();
+  assert(bytes.size() == kCertificateBytes);
+  std::copy(bytes.begin(), bytes.end(), encoded.begin() + kCertificatePlace);
 }
 
 Result<TileBytes> inspect_tile(ByteView bytes) {

@@ -34,6 +34,10 @@ struct TileLimits {
 /// tolerance that decoders refuse), kInternal (library).
 Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBytes* accounting = nullptr);
 
+/// Puts another certificate into an encoded tile: it can only be measured once the tile is encoded.
+/// Requires: what encode_tile() returned.
+void set_certificate(Bytes& encoded, const Certificate& certificate);
+
 /// Errors: kBadData, kVersionMismatch, kLimitExceeded. Safe on any bytes.
 Result<Tile> decode_tile(ByteView bytes, const TileLimits& limits = {});
 

@@ -10,7 +10,7 @@
 namespace farfield {
 
 ContentHash ImpostorSettings::hash() const {
-  const std::array<double, 11> values{finest_side_m,
+  const std::array<double, 13> values{finest_side_m,
                                       kappa,
                                       static_cast<double>(face_tiles),
                                       tau_px,
@@ -20,7 +20,9 @@ ContentHash ImpostorSettings::hash() const {
                                       static_cast<double>(near_triangles),
                                       static_cast<double>(delta_views),
                                       void_target,
-                                      static_cast<double>(jpeg_quality)};
+                                      static_cast<double>(jpeg_quality),
+                                      targets.void_share,
+                                      targets.coding_psnr_db};
   return hash_values(std::span<const double>(values));
 }
 

@@ -10,6 +10,12 @@
 
 namespace farfield {
 
+/// What certificates must show, or more is spent on the impostor: chosen so that most never need it. 0: no target.
+struct CertificateTargets {
+  double void_share = 2.5e-4;    // of directions: above it, delta views are added where validation saw most voids, within the budget
+  double coding_psnr_db = 30;    // of a tile's decoded colours against those cast: below it, the tile is coded finer
+};
+
 struct ImpostorSettings {
   double finest_side_m = 0.5;        // side of a level-0 cell: the floor of subdivision
   double kappa = 2.0;                // margin of the near region, in sides
@@ -20,6 +26,7 @@ struct ImpostorSettings {
   int delta_views = 8;               // at most
   double void_target = 6e-5;         // stop adding delta views below this share of the sphere
   int jpeg_quality = 80;
+  CertificateTargets targets;
 
   /// Samples along a face's edge of a view. Delta views have seven tenths of the intra view's: what they hold is seen
   /// past the rims of nearer things, and at the full rate it would be half as much again as the intra view.

@@ -12,6 +12,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "common/impostor/certificate.h"
 #include "common/impostor/tile_id.h"
 
 namespace farfield {
@@ -26,14 +27,6 @@ struct BlockPlace {
 /// Where a connection between neighbouring samples is cut: kConnected, or 1…8 in eighths of the sample spacing:
 /// the surface of the first (left, upper) sample ends at (cut - ½)/8 of the way to the second.
 inline constexpr std::uint8_t kConnected = 0;
-
-/// The measured error of what a tile stands for (design.md section 3, step 5).
-struct Certificate {
-  float void_worst_sr = -1;   // solid angle of void at the worst viewpoint tried, -1: not measured
-  float void_mean_sr = -1;
-  float colour_psnr_db = -1;
-  float warp_px = -1;         // largest guaranteed warp error, pixels at the frame's centre
-};
 
 struct Tile {
   TileId id;

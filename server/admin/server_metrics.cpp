@@ -109,6 +109,10 @@ void write_metrics(PrometheusText& out, std::span<const std::shared_ptr<Measured
   count("farfield_tile_bytes_identical_total", "Encoded bytes of these tiles.", [](Statistics s) { return s.skipped.identical_bytes; });
   count("farfield_delta_samples_held_total", "Samples of delta views not kept: earlier views hold them.",
         [](Statistics s) { return s.skipped.delta_samples_held; });
+  count("farfield_tiles_certified_total", "Tiles measured beside truth.", [](Statistics s) { return s.certificates.certified; });
+  count("farfield_certificates_refined_total", "Tiles coded finer to meet their target.", [](Statistics s) { return s.certificates.refined; });
+  count("farfield_certificates_missed_total", "Tiles that could not meet their target, or whose shell's voids could not.",
+        [](Statistics s) { return s.certificates.missed; });
   per_scene([&](Statistics s, MetricLabel scene) { out.histogram("farfield_tile_seconds", "Thread seconds per tile made.", s.tile_seconds, scene); });
 }
 

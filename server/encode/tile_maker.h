@@ -7,6 +7,7 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "common/codec/tile_codec.h"
 #include "server/encode/tile_source.h"
 #include "server/impostor/delta_tile.h"
 #include "server/impostor/leaf_planner.h"
@@ -26,8 +27,12 @@ class TileMaker : public TileSource {
     const std::lock_guard lock(mutex_);
     return skipped_;
   }
+  CertificateCounts certificates() const override { return {certified_, refined_, missed_}; }
 
  private:
+  /// The tile's bytes; of a measured one its certificate is among them, and it is coded finer where its target asks for it.
+  Result<Bytes> encode_certified(const Tile& tile, TileBytes& accounting, double& certify_seconds);
+
   const std::shared_ptr<const Scene> scene_;
   const std::shared_ptr<ViewCatalogue> catalogue_;
   const NestedShells shells_;
@@ -44,6 +49,7 @@ class TileMaker : public TileSource {
   /// Notes what a tile shows. Returns: whether that of another cell showed the same.
   bool is_known(ContentHash content, const CellId& cell);
 
+  std::atomic<std::uint64_t> certified_{0}, refined_{0}, missed_{0};
   mutable std::mutex mutex_;  // guards what follows
   TileSkips skipped_;
   std::unordered_map<ContentHash, CellId> shown_;  // by content, the cell whose tile showed it first

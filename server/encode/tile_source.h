@@ -34,10 +34,18 @@ struct EncodedTile {
   ContentHash hash = 0;       // of the bytes
   double seconds = 0;         // thread seconds spent
   double intra_seconds = 0;   // of these, casting and shading one ray per sample of the intra view
+  double certify_seconds = 0;  // of these, probing and decoding
   std::uint32_t covered_samples = 0;
   std::uint32_t colour_bytes = 0, disparity_bytes = 0, other_bytes = 0;
   std::uint32_t rays = 0;     // one per sample cast; probes, cuts and several rays per sample left out
   TileSkips skips;
+};
+
+/// Made so far: what certificates found.
+struct CertificateCounts {
+  std::uint64_t certified = 0;  // tiles
+  std::uint64_t refined = 0;    // coded finer to meet their target
+  std::uint64_t missed = 0;     // could not meet it, or belong to a shell that could not
 };
 
 /// Thread-safe. The bytes depend on scene, settings and id only. Runs on the calling thread (1 … 50 ms per tile).
@@ -48,6 +56,7 @@ class TileSource {
   virtual Result<std::shared_ptr<const EncodedTile>> make(const TileId& id, const CancelFlag& cancel) = 0;
   /// Of all tiles made since start.
   virtual TileSkips skips() const { return {}; }
+  virtual CertificateCounts certificates() const { return {}; }
 };
 
 }  // namespace farfield

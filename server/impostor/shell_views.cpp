@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kProbeEdge = 48;  // rays per face edge and candidate: 1.9 degrees, averaged over all candidates
 
+constexpr int kRefinements = 2;
+
 constexpr int kScattered = 16;  // candidates off the lattice: viewers walk at heights that it may miss
 
 // The R3 sequence (Roberts 2018) fills a box evenly.
@@ -63,6 +65,7 @@ class ViewSearch {
       if (candidates_[i].void_sr > candidates_[best].void_sr) best = i;
     return best;
   }
+  double slack() const { return slack_; }
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const std::vector<glm::dvec3>& views() const { return views_; }
 
@@ -127,6 +130,19 @@ ShellViews choose_views(const Scene& scene, const CellSpace& space, const Impost
     const glm::dvec3 position = worst.position;
     search.add_view(position);
     result.positions.push_back(position);
+  }
+  const auto validate = [&](int round) {
+    result.validated = count_voids(scene, space, result.positions, search.slack(), round, cancel);
+    const double most = settings.targets.void_share * result.validated.rays;
+    result.missed_target = settings.targets.void_share > 0 && result.validated.hits > most;
+  };
+  if (!stand.all_blocked) validate(0);
+  for (int round = 1; round <= kRefinements && result.missed_target && static_cast<int>(result.positions.size()) <= limit; ++round) {
+    const glm::dvec3 position = snap_to_cell(space, result.validated.worst);
+    search.add_view(position);
+    result.positions.push_back(position);
+    ++result.views_added_by_validation;
+    validate(round);
   }
   for (const glm::dvec3& position : result.positions)
     result.warp_gains.push_back(warp_gain((position - center) / space.side_m, settings.kappa));

@@ -9,7 +9,7 @@
 #include <atomic>
 #include <vector>
 
-#include "server/impostor/cell_space.h"
+#include "server/impostor/void_probe.h"
 
 namespace farfield {
 
@@ -18,6 +18,9 @@ struct ShellViews {
   std::vector<double> warp_gains;      // of each view (common/cells/sampling.h): a quarter of a million terms each, so once
   double void_worst_sr = 0;            // left after all views, at the worst candidate
   double void_mean_sr = 0;
+  VoidCount validated;                 // with rays of its own
+  int views_added_by_validation = 0;
+  bool missed_target = false;          // voids above CertificateTargets::void_share, and no view left to add
   double first_void_sr = 0;            // worst before any delta view
   int delta_views_allowed = 0;
 };
@@ -28,7 +31,8 @@ enum class ViewSearchWidth : std::uint8_t { kLeaf, kInnerCell };
 
 /// Candidates are the reachable points nearest to the cell's corners, the diagram's vertices and, in inner cells, a
 /// lattice of 27 points and 16 scattered ones; inner cells may have twice the delta views. Deterministic: depends on scene, settings, cell and
-/// width only. Some hundred thousand rays.
+/// width only. Some hundred thousand rays. The views are then validated (void_probe.h); where that finds more voids than the settings'
+/// target, the viewpoint that sees most becomes a view, up to kRefinements times within the budget, and is validated anew.
 ShellViews choose_views(const Scene& scene, const CellSpace& space, const ImpostorSettings& settings, ViewSearchWidth width,
                         const std::atomic<bool>* cancel);
 

@@ -150,7 +150,8 @@ class ScheduledCellService final : public MeasuredCellService {
             .geometry_flights = geometry_.statistics(),
             .tile_seconds = recorder_.tile_seconds(),
             .skipped = parts_.tiles->skips(),
-            .left_out = parts_.leaves->skips()};
+            .left_out = parts_.leaves->skips(),
+            .certificates = parts_.tiles->certificates()};
   }
   std::vector<CellStatistics> cell_statistics() const override { return recorder_.cells(); }
 

@@ -40,6 +40,7 @@ struct CellServiceStatistics {
   DurationHistogram tile_seconds;  // thread seconds per tile made
   TileSkips skipped;
   PlanSkips left_out;
+  CertificateCounts certificates;
 };
 
 /// A cell service that also tells what it did.

@@ -27,7 +27,8 @@ Tile dense_tile(std::uint8_t view) {
   tile.width = tile.height = kTileSamples;
   tile.view_offset = {0.1f, 0, -0.2f};
   tile.disparity_tolerance = 1e-3f;
-  tile.certificate = {1e-4f, 1e-5f, 40.0f, 0.25f};
+  tile.certificate = {.void_rays = 40000, .void_hits = 3, .void_worst_hits = 2, .void_worst_rays = 3000, .colour_mse = {30, 20},
+                      .colour_mse_error = {3, 2}, .disparity_p99 = 3e-4f, .missed_void = true};
   make_room(tile);
   const auto surface = [](int x, int y) { return x > 110 ? 2 : std::hypot(x - 60.0, y - 50.0) < 20 ? 1 : 0; };
   for (int y = 0; y < kTileSamples; ++y) {

@@ -79,7 +79,7 @@ TEST_F(TileMakerTest, BytesDependOnNothingButTheTile) {
 
 TEST_F(TileMakerTest, TilesDecodeToWhatWasCastAndCarryTheirCertificate) {
   const ImpostorSources made = sources();
-  const ImpostorSettings settings = small_settings();
+  int measured = 0;
   for (const TileId& id : some_tiles(made)) {
     const auto encoded = made.tiles->make(id, nullptr).value();
     if (encoded->bytes->empty()) continue;
@@ -93,12 +93,15 @@ TEST_F(TileMakerTest, TilesDecodeToWhatWasCastAndCarryTheirCertificate) {
     for (std::size_t k = 0; k < exact.samples(); ++k) {
       if (exact.coverage[k]) { ASSERT_NEAR(decoded.disparity[k], exact.disparity[k], exact.disparity_tolerance * 1.001); }
     }
+    EXPECT_LE(decoded.certificate.disparity_p99, decoded.disparity_tolerance * 1.001f);
+    measured += decoded.certificate.colour_mse[0] >= 0;
+    EXPECT_EQ(decoded.certificate.colour_mse[0] >= 0, decoded.certificate.disparity_p99 >= 0);
     if (id.view == kFallbackView) continue;
-    EXPECT_GE(decoded.certificate.void_worst_sr, 0);
-    EXPECT_GE(decoded.certificate.void_mean_sr, 0);
-    EXPECT_LE(decoded.certificate.void_mean_sr, decoded.certificate.void_worst_sr);
-    EXPECT_NEAR(decoded.certificate.warp_px, settings.tau_px, settings.tau_px * 7e-4);  // coded in steps of 2^(1/1000)
+    EXPECT_GT(decoded.certificate.void_rays, 10000);
+    EXPECT_LE(decoded.certificate.void_hits, decoded.certificate.void_rays / 100);
+    EXPECT_LE(decoded.certificate.void_worst_hits, decoded.certificate.void_hits);
   }
+  EXPECT_GE(measured, 1) << "one in four";
 }
 
 TEST_F(TileMakerTest, CancelledAndUnknownTilesAreErrors) {
