@@ -35,6 +35,7 @@ class Run {
   const Clock::time_point start_ = Clock::now();
   Frame frame_;
   FrameClock times_;
+  PromiseMeans promised_;
   HeadlessOutcome outcome_;
 };
 
@@ -56,6 +57,7 @@ Status Run::draw(const TraceFrame& at) {
   const std::shared_ptr<const LeafView> view = core_.view();
   const FrameReport drawn = renderer_.render(view, eye, frame_);
   core_.count_frame(view.get(), eye.position);
+  if (drawn.drawn) promised_.add(renderer_.promise(*drawn.drawn, eye));
   times_.add(drawn.times.total_ms);
   RunReport& report = outcome_.report;
   report.void_pixels += frame_.statistics.void_pixels;
@@ -113,6 +115,7 @@ HeadlessOutcome Run::outcome() {
   report.seconds = seconds_since(start_);
   report.median_frame_ms = times_.quantile_ms(0.5);
   report.p99_frame_ms = times_.quantile_ms(0.99);
+  report.promised = promised_.means();
   report.statistics = core_.statistics();
   report.frames = report.statistics.frames;
   report.late_frames = report.statistics.late_frames;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -28,6 +29,10 @@ nlohmann::ordered_json to_json(const RunReport& report) {
   json["frame_ms"] = {{"median", report.median_frame_ms}, {"p99", report.p99_frame_ms}};
   json["void_share"] = share(report.void_pixels, report.pixels);
   json["crack_share"] = share(report.crack_pixels, report.pixels);
+  const auto figure = [](double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr); };
+  json["certificate"] = {{"void_share", figure(report.promised.void_share)},
+                         {"psnr_db", figure(report.promised.psnr_db)},
+                         {"warp_px", figure(report.promised.warp_px)}};
   json["entry"] = {{"bytes", s.entry_bytes}, {"seconds", s.entry_seconds}};
   json["bytes"] = {{"in", s.bytes_in},
                    {"out", s.bytes_out},
@@ -64,6 +69,9 @@ std::string to_text(const RunReport& report) {
                       100 * share(report.late_frames, report.frames), s.fallback_frames);
   text += fmt::format("  voids     {:.4f} % of the pixels filled, {:.3f} % cracks closed\n",
                       100 * share(report.void_pixels, report.pixels), 100 * share(report.crack_pixels, report.pixels));
+  if (std::isfinite(report.promised.psnr_db))
+    text += fmt::format("  promised  impostors within {:.1f} dB of truth, voids below {:.3f} %, displaced by less than {:.2f} pixels\n",
+                        report.promised.psnr_db, 100 * report.promised.void_share, report.promised.warp_px);
   text += fmt::format("  entry     {:.2f} MB in {:.2f} s; then {:.2f} Mbit/s\n", static_cast<double>(s.entry_bytes) / kMega,
                       s.entry_seconds, warm_mbit_s);
   text += fmt::format("  received  {} tiles {:.2f} MB (colour {:.2f}, disparity {:.2f}), {} chunks {:.2f} MB, {} texture levels {:.2f} MB\n",

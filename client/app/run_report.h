@@ -6,6 +6,7 @@
 #include <string>
 
 #include "client/session/client_status.h"
+#include "common/impostor/frame_promise.h"
 
 namespace farfield::client {
 
@@ -19,6 +20,7 @@ struct RunReport {
   std::uint64_t frames = 0, late_frames = 0;
   std::uint64_t void_pixels = 0, crack_pixels = 0, pixels = 0;   // over all frames
   double median_frame_ms = 0, p99_frame_ms = 0;
+  FramePromise promised;            // by certificates: means over the frames that showed a complete leaf set
   ClientStatistics statistics;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/decode/payload_decoder.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/thread_clock.h"
@@ -70,6 +71,8 @@ Result<DecodedPayload> PayloadDecoder::decode_tile_payload(const EncodedPayload&
   decoded->side_m = grid_.side_m(tile->id.cell.level);
   decoded->view_position = grid_.box(tile->id.cell).center() + glm::dvec3(tile->view_offset) * decoded->side_m;
   decoded->tolerance = tile->disparity_tolerance;
+  decoded->edge_samples = tile->edge_samples;
+  decoded->covered_samples = static_cast<std::uint32_t>(std::count(tile->coverage.begin(), tile->coverage.end(), 1));
   decoded->certificate = tile->certificate;
   if (form_ != DecodeForm::kSplats) decoded->mesh = PackedMesh(build_depth_mesh(*tile, tile->disparity_tolerance));
   if (form_ != DecodeForm::kMesh) decoded->splats = build_splats(*tile);

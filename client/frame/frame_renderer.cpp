@@ -218,6 +218,11 @@ FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Po
   return report;
 }
 
+FramePromise FrameRenderer::promise(const LeafView& leaf, const Pose& eye) const {
+  const State& s = *state_;
+  return promise_of(leaf, eye, display(), s.options.samples_per_pixel, s.renderer == Renderer::kGl);
+}
+
 const Display& FrameRenderer::display() const {
   return state_->display;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 
+#include "client/frame/promise.h"
 #include "client/gl/gl_context.h"
 #include "client/near/near_renderer.h"
 #include "client/store/leaf_view.h"
@@ -70,6 +71,9 @@ class FrameRenderer {
 
   /// Draws into `frame`; reusing one saves allocations. `leaf` may be null: background only. `eye`: scene frame.
   FrameReport render(std::shared_ptr<const LeafView> leaf, const Pose& eye, Frame& frame);
+
+  /// What the certificates of `leaf` promise for a frame drawn of it with these options.
+  FramePromise promise(const LeafView& leaf, const Pose& eye) const;
 
   const Display& display() const;
   const GlAbilities& abilities() const;

@@ -2,6 +2,7 @@
 #include "client/input/run_window.h"
 
 #include <chrono>
+#include <cmath>
 
 #include "client/input/frame_clock.h"
 #include "client/input/walk_camera.h"
@@ -58,12 +59,15 @@ class Recorder {
 };
 
 std::string title_line(const WindowOptions& options, const FrameReport& report, const Frame& frame, double speed_m_s,
-                       bool is_recording, const std::string& status) {
-  return fmt::format("Farfield {} | {:.1f} ms | near {} triangles | impostors {} | void {} px | {:.2g} m/s{}{}{}",
+                       const FramePromise& promise, bool is_recording, const std::string& status) {
+  const std::string promised = std::isfinite(promise.psnr_db) && std::isfinite(promise.void_share)
+                                   ? fmt::format(" (promised {:.3f} %, {:.1f} dB, {:.2f} px)", 100 * promise.void_share, promise.psnr_db, promise.warp_px)
+                                   : std::string();
+  return fmt::format("Farfield {} | {:.1f} ms | near {} triangles | impostors {} | void {} px{} | {:.2g} m/s{}{}{}",
                      options.scene, report.times.total_ms, report.near.triangles,
                      options.renderer == Renderer::kGl ? fmt::format("{} triangles", frame.statistics.triangles_drawn)
                                                        : fmt::format("{} samples", frame.statistics.samples_drawn),
-                     frame.statistics.void_pixels, speed_m_s, is_recording ? " | recording" : "",
+                     frame.statistics.void_pixels, promised, speed_m_s, is_recording ? " | recording" : "",
                      status.empty() ? "" : " | ", status);
 }
 
@@ -150,7 +154,8 @@ Result<WindowSummary> WindowLoop::run() {
     if (source_.count_frame && source_.count_frame(report.drawn.get(), pose.position)) ++summary_.late_frames;
     if (time_s - title_time_s >= kTitleSeconds) {
       title_time_s = time_s;
-      window_.set_title(title_line(options_, report, frame, camera_.speed_m_s(), recorder_.is_recording(),
+      window_.set_title(title_line(options_, report, frame, camera_.speed_m_s(),
+                                   report.drawn ? renderer_.promise(*report.drawn, pose) : FramePromise(), recorder_.is_recording(),
                                    source_.status ? source_.status() : ""));
     }
   }

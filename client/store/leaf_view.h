@@ -26,6 +26,8 @@ struct DecodedTile {
   float tolerance = 0;           // guaranteed disparity error, 1/side
   PackedMesh mesh;               // with its texture: for the GL renderer
   Splats splats;                 // for the CPU warper
+  int edge_samples = 0;          // along its view's face
+  std::uint32_t covered_samples = 0;
   Certificate certificate;
   std::size_t memory_bytes = 0;
 };
