@@ -15,6 +15,7 @@
 #include "common/trace/trace_file.h"
 #include "tests/bench/client_process.h"
 #include "tests/bench/frame_dump.h"
+#include "tests/bench/promises.h"
 
 namespace farfield::bench {
 namespace {
@@ -27,6 +28,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 struct Walk {
   nlohmann::json frame_ms = nlohmann::json::array();
+  nlohmann::json promises = nlohmann::json::array();  // of each frame drawn
   nlohmann::json triangles = nlohmann::json::array(), samples = nlohmann::json::array();
   std::uint64_t frames = 0, late = 0, blank = 0;
   double seconds = 0;
@@ -63,6 +65,7 @@ class Walker {
       core_.count_frame(view->get(), eye.position);
       shown_ = *view;
       record(walk, report, frame);
+      walk.promises.push_back(bench::to_json(renderer_.promise(**view, eye)));
       if (Status status = write_frame(frame_path(role_.folder, k), sampled->frames[k].pose, frame); !status) return tl::unexpected(status.error());
     }
     walk.seconds = seconds_since(start);
@@ -154,6 +157,7 @@ nlohmann::json to_json(const Walk& walk, const client::ClientStatistics& s) {
   return {{"frame_ms", walk.frame_ms},
           {"triangles", walk.triangles},
           {"samples", walk.samples},
+          {"promises", walk.promises},
           {"frames", walk.frames},
           {"blank", walk.blank},
           {"seconds", walk.seconds},

@@ -16,6 +16,7 @@
 #include "tests/bench/distribution.h"
 #include "tests/bench/explain.h"
 #include "tests/bench/judge.h"
+#include "tests/bench/promises.h"
 #include "tests/bench/scratch_folder.h"
 #include "tests/bench/skip_savings.h"
 #include "tests/bench/warp_error.h"
@@ -57,13 +58,14 @@ Result<std::unique_ptr<Serving>> serve(const World& world, const ImpostorSetting
   return serving;
 }
 
-ErrorFigures judge_lockstep(const World& world, const std::filesystem::path& folder, MethodResult& result) {
+ErrorFigures judge_lockstep(const World& world, const std::filesystem::path& folder, std::vector<KeptPromise>& promises, MethodResult& result) {
   ErrorAverage errors(world.options.display);
   for (std::size_t k = 0; k < world.poses.size(); ++k) {
     const Result<DumpedFrame> dump = read_frame(frame_path(folder, k));
     if (!dump) continue;
     const JudgedFrame frame = judged(dump->frame);
     errors.add(frame, world.truth[k], world.is_far_at(k));
+    if (k < promises.size()) promises[k].void_share = errors.last_void_share(), promises[k].psnr_db = errors.last_impostor_psnr();
     result.pictures.push_back(frame.rgb);
   }
   return errors.figures();
@@ -151,6 +153,7 @@ void add_bytes(const World& world, const nlohmann::json& client, MethodResult& r
 
 Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wanted) {
   MethodResult result;
+  std::vector<KeptPromise> promises;  // of the lockstep frames
   for (const std::string mode : {"lockstep", "realtime"}) {
     if (mode == "realtime" && !world.options.is_realtime_wanted) break;
     std::cerr << "farfield-" << wanted.renderer << ": " << mode << '\n';
@@ -181,7 +184,8 @@ Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wa
       add_cells(**serving, result);
       add_skips(**serving, result);
       if (world.options.explains) result.explained = explained_cells((*serving)->service->cell_statistics());
-      result.error = judge_lockstep(world, folder->path(), result);
+      for (const nlohmann::json& promise : (*client)["promises"]) promises.push_back({promise_from(promise)});
+      result.error = judge_lockstep(world, folder->path(), promises, result);
       if (world.border) {
         const Result<BorderFlip> border = judge_borders(world, wanted, **serving);
         if (!border) return tl::unexpected(border.error());
@@ -204,7 +208,12 @@ Result<MethodResult> run_farfield(const World& world, const FarfieldSettings& wa
   ImpostorSettings settings = wanted.impostor;
   settings.finest_side_m = finest_side_for(*world.scene, settings.finest_side_m);
   const ImpostorSources sources = make_impostor_sources(world.scene, settings);
-  result.error.warp_px_p99 = warp_error_p99(world, sources, settings, wanted.renderer == "gl");
+  const WarpErrors warp = warp_errors(world, sources, settings, wanted.renderer == "gl");
+  result.error.warp_px_p99 = warp.p99;
+  for (const auto& [frame, p99] : warp.frame_p99)
+    if (frame < promises.size()) promises[frame].warp_px = p99;
+  result.certificate = certificate_figures(promises);
+  result.kept_promises = std::move(promises);
   if (world.options.explains) {
     std::cerr << "farfield-" << wanted.renderer << ": what was saved\n";
     result.savings = measure_savings(world, settings, result);

@@ -37,11 +37,16 @@ void ErrorAverage::add(const JudgedFrame& frame, const ReferenceImage& truth, co
   ssim_.push_back(ssim(wanted, seen));
   // FLIP is defined per pixels per degree: 67, whatever the field of view of the frame.
   flip_.push_back(flip(wanted, seen).mean);
-  if (std::find(is_far.begin(), is_far.end(), 1) != is_far.end()) impostor_psnr_.push_back(psnr_db(wanted, seen, is_far));
+  last_void_share_ = last_impostor_psnr_ = kNone;
+  if (std::find(is_far.begin(), is_far.end(), 1) != is_far.end()) {
+    last_impostor_psnr_ = psnr_db(wanted, seen, is_far);
+    impostor_psnr_.push_back(last_impostor_psnr_);
+  }
   if (frame.is_uncovered.empty()) return;
   std::size_t voids = 0;
   for (std::size_t i = 0; i < frame.is_uncovered.size(); ++i) voids += frame.is_uncovered[i] && truth.has_surface[i];
-  void_share_.push_back(static_cast<double>(voids) / static_cast<double>(frame.is_uncovered.size()));
+  last_void_share_ = static_cast<double>(voids) / static_cast<double>(frame.is_uncovered.size());
+  void_share_.push_back(last_void_share_);
 }
 
 ErrorFigures ErrorAverage::figures() const {

@@ -23,9 +23,13 @@ class ErrorAverage {
   /// `is_far`: the pixels that impostors stand for (ViewerCells::far_pixels); empty: not asked for.
   void add(const JudgedFrame& frame, const ReferenceImage& truth, const std::vector<std::uint8_t>& is_far);
   ErrorFigures figures() const;
+  /// Of the frame added last; NaN where it has none.
+  double last_void_share() const { return last_void_share_; }
+  double last_impostor_psnr() const { return last_impostor_psnr_; }
 
  private:
   const Display display_;
+  double last_void_share_ = kNone, last_impostor_psnr_ = kNone;
   std::vector<double> psnr_, impostor_psnr_, ssim_, flip_, void_share_;
 };
 

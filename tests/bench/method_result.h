@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/impostor/frame_promise.h"
 #include "server/schedule/cell_statistics.h"
 
 namespace farfield::bench {
@@ -28,6 +29,17 @@ struct ErrorFigures {
 struct CertificateFigures {
   double void_share = kNone, psnr_db = kNone, warp_px = kNone;  // means of the promises
   double holds_share = kNone;                                   // of the judged frames
+  // How far frames stay on the good side, means; negative: they are worse.
+  double void_slack = kNone, psnr_slack_db = kNone, warp_slack_px = kNone;
+};
+
+/// One frame's promise beside what the judge measured; NaN where it did not.
+struct KeptPromise {
+  FramePromise promise;
+  double void_share = kNone, psnr_db = kNone, warp_px = kNone;
+
+  /// Nothing that was both promised and measured is worse than promised.
+  bool holds() const;
 };
 
 /// How much the mean FLIP against truth changes from a frame to the next (border_pairs.h).
@@ -60,6 +72,7 @@ struct MethodResult {
   double client_rss_mb = kNone, server_rss_mb = kNone;
   ErrorFigures error, realtime_error;
   CertificateFigures certificate;
+  std::vector<KeptPromise> kept_promises;  // lockstep, by frame
   BorderFlip border_flip;
   std::map<std::string, double> skipped;
   std::vector<CellStatistics> explained;  // --explain: what each cell left out (explain.h); empty else

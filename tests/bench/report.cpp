@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/bench/explain.h"
+#include "tests/bench/promises.h"
 
 namespace farfield::bench {
 namespace {
@@ -22,6 +23,12 @@ nlohmann::json to_json(const ErrorFigures& e) {
           {"flip", {{"mean", value(e.flip_mean)}, {"max", value(e.flip_max)}}},
           {"void_share", {{"mean", value(e.void_mean)}, {"max", value(e.void_max)}}},
           {"warp_px_p99", value(e.warp_px_p99)}};
+}
+
+nlohmann::json promises_json(const std::vector<KeptPromise>& frames) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const KeptPromise& frame : frames) list.push_back(to_json(frame));
+  return list;
 }
 
 nlohmann::json to_json(const MethodResult& m) {
@@ -50,7 +57,9 @@ nlohmann::json to_json(const MethodResult& m) {
           {"error", to_json(m.error)},
           {"realtime_error", to_json(m.realtime_error)},
           {"certificate", {{"void_share", value(m.certificate.void_share)}, {"psnr_db", value(m.certificate.psnr_db)},
-                           {"warp_px", value(m.certificate.warp_px)}, {"holds_share", value(m.certificate.holds_share)}}},
+                           {"warp_px", value(m.certificate.warp_px)}, {"holds_share", value(m.certificate.holds_share)},
+                           {"void_slack", value(m.certificate.void_slack)}, {"psnr_slack_db", value(m.certificate.psnr_slack_db)},
+                           {"warp_slack_px", value(m.certificate.warp_slack_px)}, {"frames", promises_json(m.kept_promises)}}},
           {"border_flip", {{"inside_p99", value(m.border_flip.inside_p99)}, {"crossing_p99", value(m.border_flip.crossing_p99)}}},
           {"skipped", skipped},
           {"savings", savings}};
@@ -121,6 +130,10 @@ void print_table(const std::vector<MethodResult>& methods, std::ostream& out) {
       {"void %", "{:.4f}", [](const MethodResult& m) { return 100 * m.error.void_mean; }},
       {"max %", "{:.4f}", [](const MethodResult& m) { return 100 * m.error.void_max; }},
       {"warp px", "{:.3f}", [](const MethodResult& m) { return m.error.warp_px_p99; }},
+      {"promised dB", "{:.2f}", [](const MethodResult& m) { return m.certificate.psnr_db; }},
+      {"void %", "{:.4f}", [](const MethodResult& m) { return 100 * m.certificate.void_share; }},
+      {"px", "{:.3f}", [](const MethodResult& m) { return m.certificate.warp_px; }},
+      {"kept %", "{:.1f}", [](const MethodResult& m) { return 100 * m.certificate.holds_share; }},
       {"cell ms", "{:.0f}", [](const MethodResult& m) { return m.cell_p50; }},
       {"/intra", "{:.2f}", [](const MethodResult& m) { return m.cell_to_intra; }},
       {"entry MB", "{:.2f}", [](const MethodResult& m) { return 1e-6 * m.bytes_entry; }},

@@ -77,9 +77,10 @@ void collect(const Tile& exact, const Tile& decoded, bool as_mesh, const CellGri
 
 }  // namespace
 
-double warp_error_p99(const World& world, const ImpostorSources& sources, const ImpostorSettings& settings, bool as_meshes) {
+WarpErrors warp_errors(const World& world, const ImpostorSources& sources, const ImpostorSettings& settings, bool as_meshes) {
   const CellGrid grid{settings.finest_side_m};
   std::vector<double> distances;
+  WarpErrors result;
   const std::size_t step = std::max<std::size_t>(1, world.poses.size() / kPoses);
   for (std::size_t k = step / 2; k < world.poses.size(); k += step) {
     const Pose& eye = world.poses[k];
@@ -98,6 +99,7 @@ double warp_error_p99(const World& world, const ImpostorSources& sources, const 
     }
     const Projector projector(eye, world.options.display);
     const std::size_t every = std::max<std::size_t>(1, ahead.size() / kTilesPerPose);
+    std::vector<double> here;
     for (std::size_t t = 0; t < ahead.size(); t += every) {
       TileWork work;
       const Result<Tile> exact = sources.tiles->cast(ahead[t], nullptr, work);
@@ -105,10 +107,13 @@ double warp_error_p99(const World& world, const ImpostorSources& sources, const 
       const Result<Bytes> bytes = encode_tile(*exact, {settings.jpeg_quality});
       if (!bytes) continue;
       const Result<Tile> decoded = decode_tile(*bytes);
-      if (decoded) collect(*exact, *decoded, as_meshes, grid, projector, distances);
+      if (decoded) collect(*exact, *decoded, as_meshes, grid, projector, here);
     }
+    distances.insert(distances.end(), here.begin(), here.end());
+    if (!here.empty()) result.frame_p99[k] = percentile(std::move(here), 0.99);
   }
-  return percentile(std::move(distances), 0.99);
+  result.p99 = percentile(std::move(distances), 0.99);
+  return result;
 }
 
 }  // namespace farfield::bench

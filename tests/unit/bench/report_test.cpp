@@ -28,7 +28,9 @@ TEST(Report, MethodsHaveCertificateAndBorderFlipNullWhereThereIsNone) {
   const nlohmann::json json = to_json(world(), {known, {.name = "unknown"}}, {});
   EXPECT_EQ(json.at("format"), "farfield-bench/1");
   const nlohmann::json& first = json.at("methods").at(0);
-  EXPECT_EQ(first.at("certificate"), (nlohmann::json{{"void_share", 1e-5}, {"psnr_db", 35.0}, {"warp_px", 0.5}, {"holds_share", 1.0}}));
+  EXPECT_EQ(first.at("certificate"), (nlohmann::json{{"void_share", 1e-5}, {"psnr_db", 35.0}, {"warp_px", 0.5}, {"holds_share", 1.0},
+                                                          {"void_slack", nullptr}, {"psnr_slack_db", nullptr}, {"warp_slack_px", nullptr},
+                                                          {"frames", nlohmann::json::array()}}));
   EXPECT_EQ(first.at("border_flip"), (nlohmann::json{{"inside_p99", 0.001}, {"crossing_p99", 0.002}}));
   const nlohmann::json& second = json.at("methods").at(1);
   for (const char* key : {"void_share", "psnr_db", "warp_px", "holds_share"})
