@@ -291,7 +291,7 @@ TEST(TileCodec, ContentIsWhatIsShownWhateverTheCell) {
   };
   const Tile tile = dense_tile(7);
   Tile elsewhere = tile, turned = tile, repainted = tile, nearer = tile;
-  elsewhere.id.cell.x += 1, elsewhere.certificate.void_worst_share *= 2;
+  elsewhere.id.cell.x += 1, elsewhere.certificate.missed_void = true;
   turned.id.face = 3;
   for (std::uint8_t& c : repainted.rgb) c = static_cast<std::uint8_t>(c / 2);
   nearer.disparity[0] *= 1.1f;
