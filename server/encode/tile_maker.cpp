@@ -36,12 +36,15 @@ std::size_t samples_without_depth(const Tile& tile) {
 // How a tile that misses its target is coded finer.
 constexpr int kQualityStep = 8, kFinestQuality = 92;
 
-// Decoding and probing take half as long as casting a tile, so that one in four is measured: which, is a matter of its name. They
-// stand for the others of their shell (frame_promise.h). Fallback views promise nothing.
+// Decoding and probing take half as long as casting a tile, so that one in four is measured, and stands for the others of its
+// shell (frame_promise.h): one of each two by two, so that few frames are without, and which is a matter of the face's name.
+// Fallback views promise nothing.
 bool is_measured(const TileId& id) {
+  static_assert(kTilesPerMeasured == 4);
   if (id.view == kFallbackView) return false;
-  const std::int32_t name[] = {id.cell.level, id.cell.x, id.cell.y, id.cell.z, id.view, id.face, id.x, id.y};
-  return hash_values(std::span<const std::int32_t>(name), 0x63657274) % kTilesPerMeasured == 0;
+  const std::int32_t face[] = {id.cell.level, id.cell.x, id.cell.y, id.cell.z, id.view, id.face};
+  const std::uint64_t place = hash_values(std::span<const std::int32_t>(face), 0x63657274);
+  return (id.x & 1) == (place & 1) && (id.y & 1) == (place >> 1 & 1);
 }
 
 constexpr double kMostError = 255.0 * 255.0;
