@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The base colour of every surface of a tile, taken out of the image before JPEG sees it.
+// The base colour of every surface of a tile, taken out of the image before its colours are coded.
 //
 // Coverage and cuts, which the decoder has, say where one surface ends and another begins. With each surface's own
 // level taken out, the edges between surfaces, which block transforms code worst, are gone from the image: flat-coloured

@@ -10,7 +10,7 @@
 
 namespace farfield {
 
-/// One tile in so many has its half measured: a random sample, the same whoever asks.
+/// One tile in so many has its half measured: one of each two by two of a face, the same whoever asks.
 inline constexpr int kTilesPerMeasured = 4;
 
 struct Certificate {

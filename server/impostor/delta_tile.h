@@ -15,7 +15,7 @@ struct DeltaSkips {
   std::size_t samples_held = 0;                     // cast, but redundant
 };
 
-/// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe, one ray for each patch of 4×4 samples,
+/// `views`: the shell's views; the tile belongs to views[id.view]. A sparse probe, one ray for each patch of 4×4 samples and two more beside rims,
 /// finds voids; these patches are cast whole, and so are those beside them that their voids reach into. Samples that an
 /// earlier view holds at no less than a third of this one's resolution are dropped, except for a one-sample border that
 /// meets the held surface.
