@@ -5,31 +5,11 @@
 
 #include <array>
 #include <atomic>
-#include <cmath>
 
-#include "common/shading/shading.h"
+#include "client/warp/light_tables.h"
 
 namespace farfield::client {
 namespace {
-
-/// Linear light in 16 bits, and back from the upper 14 bits of it: finer than any step of the 8-bit code.
-struct LightTables {
-  std::array<std::uint16_t, 256> linear;
-  std::vector<std::uint8_t> code;
-  LightTables() : code(1 << 14) {
-    for (int c = 0; c < 256; ++c) {
-      linear[c] = static_cast<std::uint16_t>(std::lround(65535.0f * srgb_to_linear(static_cast<std::uint8_t>(c))));
-    }
-    for (int i = 0; i < 1 << 14; ++i) {
-      code[i] = linear_to_srgb((static_cast<float>(i) + 0.5f) * (4.0f / 65535.0f));
-    }
-  }
-};
-
-const LightTables& light_tables() {
-  static const LightTables instance;
-  return instance;
-}
 
 /// Of four samples, the first of the class most of them have; the lower class where two are equally frequent.
 int choose_sample(const std::array<Coverage, 4>& classes) {
@@ -53,7 +33,7 @@ void average_samples(const Frame& fine, Frame& frame) {
   frame.rgba.resize(4 * frame.pixels());
   frame.disparity.resize(frame.pixels());
   frame.coverage.resize(frame.pixels());
-  const LightTables& tables = light_tables();
+  const LightTables& tables = LightTables::get();
   std::atomic<std::uint64_t> voids{0}, background{0}, cracks{0};
   tbb::parallel_for(0, frame.height, [&](int y) {
     std::array<std::uint64_t, 5> counts{};

@@ -13,6 +13,7 @@
 #include "client/warp/average_samples.h"
 #include "client/warp/close_cracks.h"
 #include "client/warp/fill_voids.h"
+#include "client/warp/smooth_edges.h"
 #include "client/warp/splat_key.h"
 
 namespace farfield::client {
@@ -88,6 +89,7 @@ struct CpuWarper::State {
   std::uint32_t background = 0;  // 0x00BBGGRR
   FrameStatistics statistics;
   Frame fine;  // of the 2×2 samples
+  EdgeSmoother edges;
 };
 
 template <class F>
@@ -167,6 +169,7 @@ void CpuWarper::State::resolve(const NearLayer* near, Frame& frame) {
 void CpuWarper::State::finish(const NearLayer* near, Frame& frame) {
   if (options.samples_per_pixel != 4) {
     resolve(near, frame);
+    if (options.smooth_edges) edges.smooth(frame);
     return;
   }
   resolve(near, fine);

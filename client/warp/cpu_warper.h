@@ -3,8 +3,9 @@
 // elsewhere merged by depth. For machines without a GPU, where it is several times faster than OpenGL.
 //
 // A frame: cull tiles and find the rows they reach -> per band of rows, in parallel: clear, merge the near layer if it is
-// there, cull squares of samples, project and scatter -> merge it now if it was not -> close cracks -> fill voids. Bands fit in a core's cache and share nothing, so the result
-// does not depend on the number of threads.
+// there, cull squares of samples, project and scatter -> merge it now if it was not -> close cracks -> fill voids ->
+// smooth edges, or average 2×2 samples. Bands fit in a core's cache and share nothing, so the result does not depend on the
+// number of threads.
 //
 // Based on: McMillan & Bishop 1995; Shade et al. 1998 (splatting layered depth images).
 #pragma once
@@ -22,6 +23,7 @@ struct CpuWarperOptions {
   int samples_per_pixel = 1;  // 1, or 4: 2×2, averaged in linear light; four times the pixels, the same samples
   int threads = 0;            // 0: one per core; threads are kept from frame to frame
   ProjectionKernel kernel = ProjectionKernel::kVector;
+  bool smooth_edges = true;  // smooth_edges.h; of frames with 1 sample per pixel
 };
 
 class CpuWarper {

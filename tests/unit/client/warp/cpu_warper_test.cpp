@@ -105,7 +105,8 @@ TEST(CpuWarper, EverySampleCoversThePixelOfItsPoint) {
     // Wide enough that its cell holds the centre of the pixel it lands in, whichever way it is turned.
     const float pitch = static_cast<float>(4.0 * display.pixel_pitch());
     Frame frame;
-    CpuWarper().draw(leaf_of({single_sample(view, side, face, u, v, d, 0xabcdef, pitch)}), eye, display, nullptr, frame);
+    CpuWarper({.smooth_edges = false})
+        .draw(leaf_of({single_sample(view, side, face, u, v, d, 0xabcdef, pitch)}), eye, display, nullptr, frame);
 
     const glm::dvec3 point = view + side / d * CubeFace::of(face).direction<double>(u, v);
     const glm::dvec3 p = glm::conjugate(eye.world_from_camera) * (point - eye.position);
