@@ -146,6 +146,7 @@ void add_bytes(const World& world, const nlohmann::json& client, MethodResult& r
   result.bytes_per_metre = warm / std::max(1e-9, length_of(world.trace));
   result.bytes_near = number(client, "near_geometry"), result.bytes_textures = number(client, "textures");
   result.bytes_colour = number(client, "colour"), result.bytes_disparity = number(client, "disparity");
+  result.bytes_messages = number(client, "control");
   result.bytes_other = number(client, "tile_other") + number(client, "control");
   result.skipped["redundant_payloads"] = number(client, "redundant");
   result.skipped["bad_payloads"] = number(client, "bad");

@@ -63,6 +63,7 @@ struct MethodResult {
   double cell_count = 0;
   double bytes_total = kNone, bytes_entry = kNone, bytes_per_cell = kNone, bytes_per_metre = kNone;
   double bytes_near = kNone, bytes_textures = kNone, bytes_colour = kNone, bytes_disparity = kNone, bytes_other = kNone;
+  double bytes_messages = kNone;  // of bytes_other: all but the payloads
   double mbit_s_warm = kNone;
   double depth_bits = kNone;
   double triangles = kNone, samples = kNone;

@@ -45,7 +45,7 @@ nlohmann::json to_json(const MethodResult& m) {
           {"cell_to_intra", value(m.cell_to_intra)},
           {"bytes", {{"total", value(m.bytes_total)}, {"entry", value(m.bytes_entry)}, {"per_cell", value(m.bytes_per_cell)},
                      {"per_metre", value(m.bytes_per_metre)}, {"near_geometry", value(m.bytes_near)}, {"textures", value(m.bytes_textures)},
-                     {"colour", value(m.bytes_colour)}, {"disparity", value(m.bytes_disparity)}, {"other", value(m.bytes_other)}}},
+                     {"colour", value(m.bytes_colour)}, {"disparity", value(m.bytes_disparity)}, {"other", value(m.bytes_other)}, {"messages", value(m.bytes_messages)}}},
           {"mbit_s_warm", value(m.mbit_s_warm)},
           {"depth_bits_per_covered_pixel", value(m.depth_bits)},
           {"drawn", {{"triangles", value(m.triangles)}, {"samples", value(m.samples)}}},
