@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "common/impostor/tile_id.h"
@@ -14,33 +15,48 @@ namespace farfield {
 
 using BlockPlane = std::array<float, kBlockSamples * kBlockSamples>;
 
+/// A row of a block, all columns at once: as many registers as the machine needs for it.
+typedef float BlockRow __attribute__((vector_size(kBlockSamples * sizeof(float))));
+
+// Not returned: how vectors are is a matter of the machine compiled for.
+inline void load_row(const float* from, BlockRow& row) { std::memcpy(&row, from, sizeof row); }
+inline void store_row(const BlockRow& row, float* to) { std::memcpy(to, &row, sizeof row); }
+
 class BlockTransform {
  public:
   BlockTransform() {
     for (int k = 0; k < kBlockSamples; ++k)
       for (int x = 0; x < kBlockSamples; ++x)
-        basis_[k][x] = static_cast<float>(std::sqrt((k == 0 ? 1.0 : 2.0) / kBlockSamples) * std::cos(std::numbers::pi * (2 * x + 1) * k / (2 * kBlockSamples)));
+        transposed_[x][k] = basis_[k][x] =
+            static_cast<float>(std::sqrt((k == 0 ? 1.0 : 2.0) / kBlockSamples) * std::cos(std::numbers::pi * (2 * x + 1) * k / (2 * kBlockSamples)));
   }
-  BlockPlane forward(const BlockPlane& samples) const { return transposed_product<false>(transposed_product<false>(samples)); }
-  BlockPlane inverse(const BlockPlane& coefficients) const { return transposed_product<true>(transposed_product<true>(coefficients)); }
+  BlockPlane forward(const BlockPlane& samples) const { return product(basis_, samples, transposed_); }
+  BlockPlane inverse(const BlockPlane& coefficients) const { return product(transposed_, coefficients, basis_); }
+  /// Each sample of inverse() where all coefficients but the first are zero.
+  float inverse_of_mean(float coefficient) const { return basis_[0][0] * coefficient * basis_[0][0]; }
 
  private:
-  // (B·in)ᵀ, or (Bᵀ·in)ᵀ: one dimension transformed, and the other made ready for the next call. Rows are summed side by side.
-  template <bool kInverse>
-  BlockPlane transposed_product(const BlockPlane& in) const {
+  using Matrix = std::array<std::array<float, kBlockSamples>, kBlockSamples>;
+
+  // left·in·right: columns first.
+  static BlockPlane product(const Matrix& left, const BlockPlane& in, const Matrix& right) {
+    BlockRow rows[kBlockSamples], half[kBlockSamples];
+    for (int x = 0; x < kBlockSamples; ++x) load_row(&in[x * kBlockSamples], rows[x]);
+    for (int row = 0; row < kBlockSamples; ++row) {
+      half[row] = BlockRow{};
+      for (int x = 0; x < kBlockSamples; ++x) half[row] += left[row][x] * rows[x];
+    }
+    for (int x = 0; x < kBlockSamples; ++x) load_row(right[x].data(), rows[x]);
     BlockPlane out;
-    for (int k = 0; k < kBlockSamples; ++k) {
-      std::array<float, kBlockSamples> sum{};
-      for (int x = 0; x < kBlockSamples; ++x) {
-        const float factor = kInverse ? basis_[x][k] : basis_[k][x];
-        for (int lane = 0; lane < kBlockSamples; ++lane) sum[lane] += factor * in[x * kBlockSamples + lane];
-      }
-      for (int lane = 0; lane < kBlockSamples; ++lane) out[lane * kBlockSamples + k] = sum[lane];
+    for (int row = 0; row < kBlockSamples; ++row) {
+      BlockRow sum{};
+      for (int x = 0; x < kBlockSamples; ++x) sum += half[row][x] * rows[x];
+      store_row(sum, &out[row * kBlockSamples]);
     }
     return out;
   }
 
-  std::array<std::array<float, kBlockSamples>, kBlockSamples> basis_;
+  Matrix basis_, transposed_;
 };
 
 }  // namespace farfield

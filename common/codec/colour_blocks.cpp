@@ -23,7 +23,18 @@ int size_class(int magnitude) { return magnitude < 3 ? magnitude : magnitude < 5
 constexpr int kNoClass = 7;
 int sign_class(int value) { return value > 0 ? 1 : value < 0 ? 2 : 0; }
 // Of how low a frequency a coefficient is, by its place in zig-zag order: each of the first by itself, later ones in bands.
-int band_of(int k) { return k < 4 ? k : k < 7 ? 4 : k < 11 ? 5 : k < 16 ? 6 : k < 22 ? 7 : k < 29 ? 8 : k < 37 ? 9 : 10; }
+constexpr std::array<std::uint8_t, 64> kBands = [] {
+  std::array<std::uint8_t, 64> bands{};
+  for (int k = 0; k < 64; ++k) bands[k] = k < 4 ? k : k < 7 ? 4 : k < 11 ? 5 : k < 16 ? 6 : k < 22 ? 7 : k < 29 ? 8 : k < 37 ? 9 : 10;
+  return bands;
+}();
+// What share of the places left, [how many][how many are not zero], in eight classes.
+constexpr std::array<std::array<std::uint8_t, 64>, 64> kShares = [] {
+  std::array<std::array<std::uint8_t, 64>, 64> shares{};
+  for (int places = 1; places < 64; ++places)
+    for (int found = 0; found < 64; ++found) shares[places][found] = static_cast<std::uint8_t>(std::min(7, found * 16 / places));
+  return shares;
+}();
 
 struct PlaneContexts {
   MixedContexts<64, 32, 64> has_mean;
@@ -118,17 +129,22 @@ class ColourWalk {
   }
 
   void code_places(int block, int plane) {
+    int left_to_find = counts_[block][plane], largest = 0;
+    if (left_to_find == 0) return;  // as in a block that is new
     PlaneContexts& contexts = contexts_of(plane);
     Levels& levels = blocks_[block].levels[plane];
     const Levels wanted = levels;
     std::fill(levels.begin() + 1, levels.end(), std::int16_t{0});
-    int left_to_find = counts_[block][plane], largest = 0;
-    for (int k = 1; k < kBlockSamples * kBlockSamples && left_to_find > 0; ++k) {
-      const int at = kZigZag[k], column = at % kBlockSamples, row = at / kBlockSamples, places = 64 - k;
-      const int near = std::min(std::abs(level(left_, plane, at)) + std::abs(level(above_, plane, at)), 3);
-      const int inside = size_before(levels, at, column, row) * 4 + near;
+    const Levels& left_levels = levels_of(left_, plane);
+    const Levels& above_levels = levels_of(above_, plane);
+    LowerFrequencies lower;
+    lower.add(0, std::abs(int{levels[0]}));
+    for (int k = 1; left_to_find > 0 && k < kBlockSamples * kBlockSamples; ++k) {
+      const int at = kZigZag[k], places = 64 - k;
+      const int near = std::min(std::abs(int{left_levels[at]}) + std::abs(int{above_levels[at]}), 3);
+      const int inside = lower.size_class(at) * 4 + near;
       const int luma = plane == 0 ? 0 : std::min(std::abs(level(block, 0, at)), 2), blue = plane == 2 ? std::min(std::abs(level(block, 1, at)), 2) : 0;
-      const int share = std::min(7, left_to_find * 16 / places), remaining = std::min(left_to_find, 7), band = band_of(k);
+      const int share = kShares[places][left_to_find], remaining = std::min(left_to_find, 7), band = kBands[k];
       const int beside = plane == 0 ? inside / 4 : luma * 3 + blue;
       const bool is_set = left_to_find == places ||
                           coder_.code(wanted[at] != 0, contexts.is_set(k * 8 + remaining, (inside * 11 + band) * 4 + luma, (share * 9 + beside) * 4 + near,
@@ -142,19 +158,34 @@ class ColourWalk {
       largest = std::max(largest, size - 1);
       const bool is_negative = code_sign(block, plane, at, wanted[at] < 0);
       levels[at] = static_cast<std::int16_t>(is_negative ? -size : size);
+      lower.add(at, size);
       --left_to_find;
     }
   }
 
-  // How large the coefficients of lower frequency beside one are, in five classes.
-  static int size_before(const Levels& levels, int at, int column, int row) {
-    int sum = 0;
-    if (column > 0) sum += 2 * std::abs(levels[at - 1]);
-    if (row > 0) sum += 2 * std::abs(levels[at - 8]);
-    if (column > 0 && row > 0) sum += std::abs(levels[at - 9]);
-    if (column > 1) sum += std::abs(levels[at - 2]);
-    if (row > 1) sum += std::abs(levels[at - 16]);
-    return sum < 2 ? sum : sum < 4 ? 2 : sum < 8 ? 3 : 4;
+  // How large the coefficients of lower frequency beside each are: kept up to date while they become known, which few do.
+  class LowerFrequencies {
+   public:
+    void add(int at, int size) {
+      std::int32_t* own = &sums_[place_of(at)];
+      own[1] += 2 * size, own[2] += size, own[kColumns] += 2 * size, own[kColumns + 1] += size, own[2 * kColumns] += size;
+    }
+    // In five classes.
+    int size_class(int at) const {
+      const std::int32_t sum = sums_[place_of(at)];
+      return sum < 2 ? sum : sum < 4 ? 2 : sum < 8 ? 3 : 4;
+    }
+
+   private:
+    // Two columns and rows beyond the block, so that none needs asking about.
+    static constexpr int kColumns = kBlockSamples + 2;
+    static int place_of(int at) { return at / kBlockSamples * kColumns + at % kBlockSamples; }
+    std::array<std::int32_t, kColumns * kColumns> sums_{};
+  };
+
+  const Levels& levels_of(int block, int plane) const {
+    static constexpr Levels kNone{};
+    return block < 0 ? kNone : blocks_[block].levels[plane];
   }
 
   bool code_sign(int block, int plane, int at, bool is_negative) {
@@ -185,10 +216,9 @@ class ColourWalk {
 
 }  // namespace
 
-Bytes encode_colour_blocks(const std::vector<ColourBlock>& blocks, const TileBits& bits) {
+Bytes encode_colour_blocks(std::vector<ColourBlock>& blocks, const TileBits& bits) {
   BitWriter writer;
-  std::vector<ColourBlock> coded = blocks;
-  ColourWalk<BitWriter>(writer, bits, coded).run();
+  ColourWalk<BitWriter>(writer, bits, blocks).run();
   return writer.finish();
 }
 

@@ -29,8 +29,8 @@ inline constexpr std::array<std::uint8_t, 64> kZigZag = {
     0,  1,  8,  16, 9,  2,  3,  10, 17, 24, 32, 25, 18, 11, 4,  5,  12, 19, 26, 33, 40, 48, 41, 34, 27, 20, 13, 6,  7,  14, 21, 28,
     35, 42, 49, 56, 57, 50, 43, 36, 29, 22, 15, 23, 30, 37, 44, 51, 58, 59, 52, 45, 38, 31, 39, 46, 53, 60, 61, 54, 47, 55, 62, 63};
 
-/// `blocks`: one for each of the grid. Of blocks that cover nothing nothing is kept.
-Bytes encode_colour_blocks(const std::vector<ColourBlock>& blocks, const TileBits& bits);
+/// `blocks`: one for each of the grid; those that cover nothing are not kept. They are what the decoder will see afterwards.
+Bytes encode_colour_blocks(std::vector<ColourBlock>& blocks, const TileBits& bits);
 /// Any bytes give some levels. Time and memory: bounded by the grid.
 std::vector<ColourBlock> decode_colour_blocks(ByteView bytes, const TileBits& bits);
 

@@ -32,17 +32,33 @@ ColourSteps colour_steps(int quality) {
   return {scaled(kLumaScale, step), scaled(kDifferenceScale, step)};
 }
 
-// Calls visit(sample in the block, first byte in the image) for each covered sample of a block.
+std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 128.5f, 0.0f, 255.0f)); }
+
+// Calls visit(row of the block, its first byte in the image, samples in it) for each row of a block that the image has.
 template <class Visit>
-void each_covered(const TileBits& bits, int block, Visit visit) {
-  const auto first = static_cast<std::size_t>(bits.grid().first_sample(block));
-  for (std::uint64_t todo = bits[block].covered; todo != 0; todo &= todo - 1) {
-    const int k = std::countr_zero(todo);
-    visit(k, 3 * (first + static_cast<std::size_t>(k / kBlockSamples) * bits.grid().width() + k % kBlockSamples));
-  }
+void each_row(const BlockGrid& grid, int block, Visit visit) {
+  const std::uint64_t samples = grid.samples(block);
+  const auto first = static_cast<std::size_t>(grid.first_sample(block)), width = static_cast<std::size_t>(grid.width());
+  for (int y = 0; y < kBlockSamples && (samples >> kBlockSamples * y & 1); ++y)
+    visit(y, 3 * (first + static_cast<std::size_t>(y) * width), std::popcount(samples & kFirstRow));
 }
 
-std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::clamp(value + 128.5f, 0.0f, 255.0f)); }
+// ITU-T T.871, section 7.
+void convert_to_planes(const std::uint8_t* rgb, int count, float* luma, float* blue, float* red) {
+  for (int x = 0; x < count; ++x) {
+    const auto r = static_cast<float>(int{rgb[3 * x]} - 128), g = static_cast<float>(int{rgb[3 * x + 1]} - 128), b = static_cast<float>(int{rgb[3 * x + 2]} - 128);
+    luma[x] = 0.299f * r + 0.587f * g + 0.114f * b;
+    blue[x] = -0.168736f * r - 0.331264f * g + 0.5f * b;
+    red[x] = 0.5f * r - 0.418688f * g - 0.081312f * b;
+  }
+}
+void convert_to_bytes(const float* luma, const float* blue, const float* red, int count, std::uint8_t* rgb) {
+  for (int x = 0; x < count; ++x) {
+    rgb[3 * x] = to_byte(luma[x] + 1.402f * red[x]);
+    rgb[3 * x + 1] = to_byte(luma[x] - 0.344136f * blue[x] - 0.714136f * red[x]);
+    rgb[3 * x + 2] = to_byte(luma[x] + 1.772f * blue[x]);
+  }
+}
 
 }  // namespace
 
@@ -53,41 +69,63 @@ float colour_step(int quality) {
 }
 
 Bytes encode_colour(ByteView rgb, const TileBits& bits, int quality) {
-  std::vector<ColourPlane> planes(static_cast<std::size_t>(kColourPlanes * bits.grid().size()));
-  for (int block = 0; block < bits.grid().size(); ++block) {
+  const BlockGrid& grid = bits.grid();
+  std::vector<ColourPlane> planes(static_cast<std::size_t>(kColourPlanes * grid.size()));
+  for (int block = 0; block < grid.size(); ++block) {
+    const std::uint64_t covered = bits[block].covered;
+    if (covered == 0) continue;
     ColourPlane* of_block = &planes[static_cast<std::size_t>(kColourPlanes * block)];
-    for (int p = 0; p < kColourPlanes; ++p) of_block[p].covered = bits[block].covered;
-    each_covered(bits, block, [&](int k, std::size_t at) {
-      const auto difference = [&](int c) { return static_cast<float>(int{rgb[at + static_cast<std::size_t>(c)]} - 128); };
-      const float r = difference(0), g = difference(1), b = difference(2);
-      // ITU-T T.871, section 7.
-      of_block[0].samples[k] = 0.299f * r + 0.587f * g + 0.114f * b;
-      of_block[1].samples[k] = -0.168736f * r - 0.331264f * g + 0.5f * b;
-      of_block[2].samples[k] = 0.5f * r - 0.418688f * g - 0.081312f * b;
+    each_row(grid, block, [&](int y, std::size_t at, int count) {
+      float* row[kColourPlanes];
+      for (int p = 0; p < kColourPlanes; ++p) row[p] = &of_block[p].samples[static_cast<std::size_t>(kBlockSamples * y)];
+      if (count == kBlockSamples) {
+        convert_to_planes(&rgb[at], kBlockSamples, row[0], row[1], row[2]);
+      } else {
+        convert_to_planes(&rgb[at], count, row[0], row[1], row[2]);
+      }
     });
+    for (int p = 0; p < kColourPlanes; ++p) {
+      of_block[p].covered = covered;
+      for (std::uint64_t todo = ~covered; todo != 0; todo &= todo - 1) of_block[p].samples[static_cast<std::size_t>(std::countr_zero(todo))] = 0;
+    }
   }
-  return encode_colour_blocks(quantise_colours(planes, colour_steps(quality)), bits);
+  std::vector<ColourBlock> blocks = quantise_colours(planes, colour_steps(quality));
+  return encode_colour_blocks(blocks, bits);
 }
 
 std::vector<std::uint8_t> decode_colour(ByteView bytes, const TileBits& bits, int quality) {
   const std::vector<ColourBlock> blocks = decode_colour_blocks(bytes, bits);
-  std::vector<std::uint8_t> rgb(std::size_t{3} * bits.grid().width() * bits.grid().height(), 128);
-  const BlockTransform transform;
+  const BlockGrid& grid = bits.grid();
+  std::vector<std::uint8_t> rgb(std::size_t{3} * grid.width() * grid.height(), 128);
+  static const BlockTransform transform;
   const ColourSteps steps = colour_steps(quality);
-  for (int block = 0; block < bits.grid().size(); ++block) {
-    if (bits[block].covered == 0) continue;
+  for (int block = 0; block < grid.size(); ++block) {
+    const std::uint64_t covered = bits[block].covered;
+    if (covered == 0) continue;
     std::array<BlockPlane, kColourPlanes> planes;
     for (int p = 0; p < kColourPlanes; ++p) {
       const auto& levels = blocks[block].levels[p];
+      if (std::all_of(levels.begin() + 1, levels.end(), [](std::int16_t level) { return level == 0; })) {
+        planes[p].fill(transform.inverse_of_mean(steps.of(p)[0] * static_cast<float>(levels[0])));
+        continue;
+      }
       BlockPlane coefficients;
       for (std::size_t k = 0; k < levels.size(); ++k) coefficients[k] = steps.of(p)[k] * static_cast<float>(levels[k]);
       planes[p] = transform.inverse(coefficients);
     }
-    each_covered(bits, block, [&](int k, std::size_t at) {
-      const float luma = planes[0][k], blue = planes[1][k], red = planes[2][k];
-      rgb[at] = to_byte(luma + 1.402f * red);
-      rgb[at + 1] = to_byte(luma - 0.344136f * blue - 0.714136f * red);
-      rgb[at + 2] = to_byte(luma + 1.772f * blue);
+    each_row(grid, block, [&](int y, std::size_t at, int) {
+      const auto first = static_cast<std::size_t>(kBlockSamples * y);
+      std::array<std::uint8_t, 3 * kBlockSamples> row;
+      convert_to_bytes(&planes[0][first], &planes[1][first], &planes[2][first], kBlockSamples, row.data());
+      const std::uint64_t in_row = covered >> first & kFirstRow;
+      if (in_row == kFirstRow) {
+        std::copy(row.begin(), row.end(), &rgb[at]);
+      } else {
+        for (std::uint64_t todo = in_row; todo != 0; todo &= todo - 1) {
+          const auto x = static_cast<std::size_t>(std::countr_zero(todo));
+          std::copy_n(&row[3 * x], 3, &rgb[at + 3 * x]);
+        }
+      }
     });
   }
   return rgb;

@@ -13,7 +13,7 @@
 
 namespace farfield {
 
-/// The samples of one plane of a block, and which are covered; the others may be anything.
+/// The samples of one plane of a block, and which are covered; the others are 0.
 struct ColourPlane {
   BlockPlane samples{};
   std::uint64_t covered = 0;
@@ -25,7 +25,7 @@ struct ColourSteps {
   const BlockPlane& of(std::size_t plane) const { return plane == 0 ? luma : difference; }
 };
 
-/// `planes`: kColourPlanes for each block. The same for the same input, whatever thread.
+/// `planes`: kColourPlanes for each block; what they hold is lost. The same for the same input, whatever thread.
 std::vector<ColourBlock> quantise_colours(std::vector<ColourPlane>& planes, const ColourSteps& steps);
 
 }  // namespace farfield

@@ -51,33 +51,34 @@ struct Mixer {
 };
 
 /// One prediction from three contexts. REQUIRES: contexts and mixer outlive it; update() once, with the bit coded.
+/// Spelt out three times: as arrays the compiler takes contexts and logits through vector registers, one by one.
 class MixedPrediction {
  public:
-  MixedPrediction(BitContext& a, BitContext& b, BitContext& c, Mixer& mixer) : contexts_{&a, &b, &c}, mixer_(mixer) {
-    std::int64_t sum = 0;
-    for (int i = 0; i < 3; ++i) {
-      logits_[i] = detail::kLogits[contexts_[i]->zero >> 4];
-      sum += std::int64_t{mixer.weights[i]} * logits_[i];
-    }
+  MixedPrediction(BitContext& a, BitContext& b, BitContext& c, Mixer& mixer)
+      : a_(a), b_(b), c_(c), mixer_(mixer), logit_a_(logit_of(a)), logit_b_(logit_of(b)), logit_c_(logit_of(c)) {
+    const std::int64_t sum = mixer.weights[0] * logit_a_ + mixer.weights[1] * logit_b_ + mixer.weights[2] * logit_c_;
     zero_ = detail::kProbabilities[std::clamp<std::int64_t>(sum >> 16, 1 - kLogitEnd, kLogitEnd - 1) + kLogitEnd];
   }
   /// In 1/65536: 22 at least, so no decision costs more than twelve bits, and none less than 1/2000.
   std::uint32_t zero() const { return static_cast<std::uint32_t>(zero_); }
   void update(bool bit) {
-    const std::int64_t error = (bit ? 0 : 65535) - zero_;
-    for (int i = 0; i < 3; ++i) {
-      std::int32_t& weight = mixer_.weights[i];
-      weight = std::clamp(weight + static_cast<std::int32_t>(logits_[i] * error * kRate >> 20), -Mixer::kLargest, Mixer::kLargest);
-      contexts_[i]->update(bit);
-    }
+    const std::int64_t error = ((bit ? 0 : 65535) - zero_) * kRate;
+    move(mixer_.weights[0], logit_a_ * error >> 20);
+    move(mixer_.weights[1], logit_b_ * error >> 20);
+    move(mixer_.weights[2], logit_c_ * error >> 20);
+    a_.update(bit), b_.update(bit), c_.update(bit);
   }
 
  private:
-  static constexpr int kRate = 40;  // streams are short: five times what PAQ uses
-  std::array<BitContext*, 3> contexts_;
+  static constexpr std::int64_t kRate = 40;  // streams are short: five times what PAQ uses
+  static std::int64_t logit_of(const BitContext& context) { return detail::kLogits[context.zero >> 4]; }
+  static void move(std::int32_t& weight, std::int64_t by) {
+    weight = static_cast<std::int32_t>(std::clamp<std::int64_t>(weight + by, -Mixer::kLargest, Mixer::kLargest));
+  }
+
+  BitContext &a_, &b_, &c_;
   Mixer& mixer_;
-  std::array<int, 3> logits_;
-  int zero_;
+  std::int64_t logit_a_, logit_b_, logit_c_, zero_;
 };
 
 /// A walk over what is coded serves both directions: it calls code(bit, …) with what to write, and goes on with what comes
