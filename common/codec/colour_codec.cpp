@@ -60,41 +60,7 @@ void convert_to_bytes(const float* luma, const float* blue, const float* red, in
   }
 }
 
-}  // namespace
-
-float colour_step(int quality) {
-  // JPEG's scale: percent of the tables that it calls quality 50.
-  const float percent = quality < 50 ? 5000.0f / static_cast<float>(quality) : static_cast<float>(200 - 2 * quality);
-  return std::max(1.0f, 0.3f * percent);
-}
-
-Bytes encode_colour(ByteView rgb, const TileBits& bits, int quality) {
-  const BlockGrid& grid = bits.grid();
-  std::vector<ColourPlane> planes(static_cast<std::size_t>(kColourPlanes * grid.size()));
-  for (int block = 0; block < grid.size(); ++block) {
-    const std::uint64_t covered = bits[block].covered;
-    if (covered == 0) continue;
-    ColourPlane* of_block = &planes[static_cast<std::size_t>(kColourPlanes * block)];
-    each_row(grid, block, [&](int y, std::size_t at, int count) {
-      float* row[kColourPlanes];
-      for (int p = 0; p < kColourPlanes; ++p) row[p] = &of_block[p].samples[static_cast<std::size_t>(kBlockSamples * y)];
-      if (count == kBlockSamples) {
-        convert_to_planes(&rgb[at], kBlockSamples, row[0], row[1], row[2]);
-      } else {
-        convert_to_planes(&rgb[at], count, row[0], row[1], row[2]);
-      }
-    });
-    for (int p = 0; p < kColourPlanes; ++p) {
-      of_block[p].covered = covered;
-      for (std::uint64_t todo = ~covered; todo != 0; todo &= todo - 1) of_block[p].samples[static_cast<std::size_t>(std::countr_zero(todo))] = 0;
-    }
-  }
-  std::vector<ColourBlock> blocks = quantise_colours(planes, colour_steps(quality));
-  return encode_colour_blocks(blocks, bits);
-}
-
-std::vector<std::uint8_t> decode_colour(ByteView bytes, const TileBits& bits, int quality) {
-  const std::vector<ColourBlock> blocks = decode_colour_blocks(bytes, bits);
+std::vector<std::uint8_t> colours_of(const std::vector<ColourBlock>& blocks, const TileBits& bits, int quality) {
   const BlockGrid& grid = bits.grid();
   std::vector<std::uint8_t> rgb(std::size_t{3} * grid.width() * grid.height(), 128);
   static const BlockTransform transform;
@@ -129,6 +95,45 @@ std::vector<std::uint8_t> decode_colour(ByteView bytes, const TileBits& bits, in
     });
   }
   return rgb;
+}
+
+}  // namespace
+
+float colour_step(int quality) {
+  // JPEG's scale: percent of the tables that it calls quality 50.
+  const float percent = quality < 50 ? 5000.0f / static_cast<float>(quality) : static_cast<float>(200 - 2 * quality);
+  return std::max(1.0f, 0.3f * percent);
+}
+
+Bytes encode_colour(ByteView rgb, const TileBits& bits, int quality, std::vector<std::uint8_t>* decoded) {
+  const BlockGrid& grid = bits.grid();
+  std::vector<ColourPlane> planes(static_cast<std::size_t>(kColourPlanes * grid.size()));
+  for (int block = 0; block < grid.size(); ++block) {
+    const std::uint64_t covered = bits[block].covered;
+    if (covered == 0) continue;
+    ColourPlane* of_block = &planes[static_cast<std::size_t>(kColourPlanes * block)];
+    each_row(grid, block, [&](int y, std::size_t at, int count) {
+      float* row[kColourPlanes];
+      for (int p = 0; p < kColourPlanes; ++p) row[p] = &of_block[p].samples[static_cast<std::size_t>(kBlockSamples * y)];
+      if (count == kBlockSamples) {
+        convert_to_planes(&rgb[at], kBlockSamples, row[0], row[1], row[2]);
+      } else {
+        convert_to_planes(&rgb[at], count, row[0], row[1], row[2]);
+      }
+    });
+    for (int p = 0; p < kColourPlanes; ++p) {
+      of_block[p].covered = covered;
+      for (std::uint64_t todo = ~covered; todo != 0; todo &= todo - 1) of_block[p].samples[static_cast<std::size_t>(std::countr_zero(todo))] = 0;
+    }
+  }
+  std::vector<ColourBlock> blocks = quantise_colours(planes, colour_steps(quality));
+  const Bytes bytes = encode_colour_blocks(blocks, bits);
+  if (decoded) *decoded = colours_of(blocks, bits, quality);
+  return bytes;
+}
+
+std::vector<std::uint8_t> decode_colour(ByteView bytes, const TileBits& bits, int quality) {
+  return colours_of(decode_colour_blocks(bytes, bits), bits, quality);
 }
 
 }  // namespace farfield

@@ -16,8 +16,9 @@ namespace farfield {
 float colour_step(int quality);
 
 /// `rgb`: 3 bytes per sample of the tile, differences around 128. Uncovered samples are not kept.
+/// `decoded`: if given, becomes what decode_colour() will return.
 /// Requires: 1 <= quality <= 100.
-Bytes encode_colour(ByteView rgb, const TileBits& bits, int quality);
+Bytes encode_colour(ByteView rgb, const TileBits& bits, int quality, std::vector<std::uint8_t>* decoded = nullptr);
 /// Uncovered samples get 128. Any bytes give some colours.
 std::vector<std::uint8_t> decode_colour(ByteView bytes, const TileBits& bits, int quality);
 

@@ -130,6 +130,13 @@ class PlaneTree {
       }
     });
   }
+  std::vector<float> disparities() const {
+    const double disparity_per_unit = static_cast<double>(tile_.disparity_tolerance) / 256.0;
+    std::vector<float> result(units_.size());
+    for (std::size_t i = 0; i < units_.size(); ++i) result[i] = static_cast<float>(static_cast<double>(units_[i]) * disparity_per_unit);
+    return result;
+  }
+
   static constexpr int kNoPlane = -1;
   const Tile& tile_;
   const TileBits& bits_;
@@ -154,6 +161,7 @@ class DisparityEncoder : PlaneTree<BitWriter> {
   void run() {
     each_root([&](const Node& root) { encode(root); });
   }
+  using PlaneTree::disparities;
 
  private:
   double wanted(int i) const { return static_cast<double>(tile_.disparity[i]) * units_per_disparity_; }
@@ -337,14 +345,12 @@ class DisparityEncoder : PlaneTree<BitWriter> {
 
 class DisparityDecoder : PlaneTree<BitReader> {
  public:
-  DisparityDecoder(BitReader& coder, const TileBits& bits, Tile& tile)
-      : PlaneTree(coder, tile, bits), target_(tile), disparity_per_unit_(static_cast<double>(tile.disparity_tolerance) / 256.0) {}
+  DisparityDecoder(BitReader& coder, const TileBits& bits, const Tile& tile) : PlaneTree(coder, tile, bits) {}
 
   void run() {
     each_root([&](const Node& root) { decode(root); });
-    target_.disparity.resize(tile_.samples());
-    for (std::size_t i = 0; i < units_.size(); ++i) target_.disparity[i] = static_cast<float>(static_cast<double>(units_[i]) * disparity_per_unit_);
   }
+  using PlaneTree::disparities;
 
  private:
   void decode(const Node& node) {
@@ -375,22 +381,23 @@ class DisparityDecoder : PlaneTree<BitReader> {
     const Plane plane = planes_coder_.code(SurfaceFrame(face, surface), guesses, {});
     adopt(node, face, surface, plane);
   }
-
-  Tile& target_;
-  double disparity_per_unit_;
 };
 
 }  // namespace
 
-Bytes encode_disparity(const Tile& tile, const TileBits& bits) {
+Bytes encode_disparity(const Tile& tile, const TileBits& bits, std::vector<float>* decoded) {
   BitWriter coder;
-  DisparityEncoder(coder, tile, bits).run();
+  DisparityEncoder encoder(coder, tile, bits);
+  encoder.run();
+  if (decoded) *decoded = encoder.disparities();
   return coder.finish();
 }
 
 void decode_disparity(ByteView bytes, const TileBits& bits, Tile& tile) {
   BitReader coder(bytes);
-  DisparityDecoder(coder, bits, tile).run();
+  DisparityDecoder decoder(coder, bits, tile);
+  decoder.run();
+  tile.disparity = decoder.disparities();
 }
 
 }  // namespace farfield

@@ -18,7 +18,8 @@ inline constexpr float kMostTolerances = 32768;
 /// Requires: coverage and cuts as decode_topology will return them (`bits`: theirs), 0 <= disparity <= kMostTolerances
 /// tolerances where covered, tolerance > 0, sides of whole nodes.
 /// Guarantee: |decoded - tile.disparity| <= tile.disparity_tolerance for every covered sample.
-Bytes encode_disparity(const Tile& tile, const TileBits& bits);
+/// `decoded`: if given, becomes the disparities that decode_disparity() will return.
+Bytes encode_disparity(const Tile& tile, const TileBits& bits, std::vector<float>* decoded = nullptr);
 /// Fills tile.disparity; coverage, cuts (`bits`: theirs) and disparity_tolerance are set. Any bytes give some finite disparities >= 0;
 /// uncovered samples get 0.
 void decode_disparity(ByteView bytes, const TileBits& bits, Tile& tile);

@@ -162,13 +162,13 @@ Result<float> kept_tolerance(const Tile& tile) {
 
 }  // namespace
 
-Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBytes* accounting) {
+Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBytes* accounting, CodedSamples* decoded) {
   const Result<float> tolerance = kept_tolerance(tile);
   if (!tolerance) return tl::unexpected(tolerance.error());
   if (*tolerance > tile.disparity_tolerance) {
     Tile coarser = tile;
     coarser.disparity_tolerance = *tolerance;
-    return encode_tile(coarser, encoding, accounting);
+    return encode_tile(coarser, encoding, accounting, decoded);
   }
   ByteWriter out;
   put_header(out, tile, encoding.jpeg_quality);
@@ -176,10 +176,12 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
   if (tile.is_packed()) put_blocks(out, tile);
   const TileBits bits(tile);
   Bytes topology = encode_topology(tile, bits);
-  Bytes disparity = encode_disparity(tile, bits);
+  Bytes disparity = encode_disparity(tile, bits, decoded ? &decoded->disparity : nullptr);
   std::vector<std::uint8_t> rgb = tile.rgb;
-  const Bytes bases = take_out_base_colours(find_surfaces(tile, bits), rgb);
-  const Bytes colour = encode_colour(rgb, bits, encoding.jpeg_quality);
+  const Surfaces surfaces = find_surfaces(tile, bits);
+  const Bytes bases = take_out_base_colours(surfaces, rgb);
+  const Bytes colour = encode_colour(rgb, bits, encoding.jpeg_quality, decoded ? &decoded->rgb : nullptr);
+  if (decoded) put_back_base_colours(bases, surfaces, decoded->rgb);
   const std::uint32_t covered = static_cast<std::uint32_t>(std::count(tile.coverage.begin(), tile.coverage.end(), 1));
   out.put_varint(covered);
   for (const Bytes* part : std::initializer_list<const Bytes*>{&topology, &disparity, &bases, &colour}) out.put_varint(part->size());

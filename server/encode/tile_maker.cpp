@@ -52,15 +52,15 @@ constexpr double kMostError = 255.0 * 255.0;
 double mse_of_psnr(double psnr_db) { return kMostError * std::pow(10.0, -0.1 * psnr_db); }
 
 // Mean squared error of covered samples' colours from coding alone.
-double coding_error(const Tile& exact, const Tile& decoded) {
+double coding_error(const Tile& exact, const CodedSamples& decoded) {
   std::uint64_t sum = 0, covered = 0;
   for (std::size_t at = 0; at < exact.samples(); ++at) {
-    if (!exact.coverage[at]) continue;
-    ++covered;
+    std::uint32_t squares = 0;
     for (std::size_t c = 3 * at; c < 3 * at + 3; ++c) {
       const int difference = int{exact.rgb[c]} - int{decoded.rgb[c]};
-      sum += static_cast<std::uint64_t>(difference * difference);
+      squares += static_cast<std::uint32_t>(difference * difference);
     }
+    sum += exact.coverage[at] ? squares : 0, covered += exact.coverage[at];
   }
   return covered ? static_cast<double>(sum) / (3.0 * static_cast<double>(covered)) : 0;
 }
@@ -172,19 +172,18 @@ Result<Bytes> TileMaker::encode_certified(const Tile& tile, TileBytes& accountin
   const double target = settings_.targets.coding_psnr_db > 0 ? mse_of_psnr(settings_.targets.coding_psnr_db) : kMostError;
   int quality = quality_of(tile.id);
   for (;;) {
-    Result<Bytes> encoded = encode_tile(tile, {quality}, &accounting);
+    CodedSamples decoded;
+    Result<Bytes> encoded = encode_tile(tile, {quality}, &accounting, &decoded);
     if (!encoded) return encoded;
     const double encoded_at = thread_seconds();
-    const Result<Tile> decoded = decode_tile(*encoded);
-    if (!decoded) return tl::unexpected(decoded.error());
-    const bool misses = coding_error(tile, *decoded) > target;
+    const bool misses = coding_error(tile, decoded) > target;
     if (misses && quality < kFinestQuality) {
       refined_ += quality == quality_of(tile.id);
       quality = std::min(kFinestQuality, quality + kQualityStep);
       continue;
     }
     Certificate certificate = tile.certificate;
-    probes.measure(tile, *decoded, certificate);
+    probes.measure(tile, decoded, certificate);
     certificate.missed_colour = misses;
     set_certificate(*encoded, certificate);
     ++certified_, missed_ += misses || certificate.missed_void;

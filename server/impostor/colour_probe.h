@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/impostor/certificate.h"
+#include "common/impostor/coded_samples.h"
 #include "common/impostor/tile.h"
 #include "common/math/camera.h"
 #include "server/impostor/view_frame.h"
@@ -24,8 +25,8 @@ class ColourProbes {
   /// coverage only. `view`: where the tile's view stands. Requires: the tile as cast.
   ColourProbes(const Scene& scene, const CellSpace& space, const glm::dvec3& view, const Tile& tile, const Display& display);
 
-  /// Sets the tile's half of a certificate. `exact`: the tile as cast; `decoded`: the same, encoded and decoded again.
-  void measure(const Tile& exact, const Tile& decoded, Certificate& certificate) const;
+  /// Sets the tile's half of a certificate. `exact`: the tile as cast; `decoded`: the same as clients will have it.
+  void measure(const Tile& exact, const CodedSamples& decoded, Certificate& certificate) const;
 
   static constexpr int kProbes = 32;
 

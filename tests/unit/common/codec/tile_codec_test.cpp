@@ -173,6 +173,29 @@ TEST(TileCodec, NoiseStaysWithinTolerance) {
   expect_same(tile, *decode_tile(*encoded));
 }
 
+// Certificates rest on it.
+TEST(TileCodec, TheEncoderTellsWhatDecodersWillReturn) {
+  std::vector<Tile> tiles{dense_tile(1), packed_tile(), dense_tile(2), dense_tile(3)};
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> noise(0.0f, 0.5f);
+  for (std::size_t i = 0; i < tiles[2].samples(); ++i) {
+    if (tiles[2].coverage[i]) tiles[2].disparity[i] = noise(random);
+    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) tiles[2].rgb[c] = static_cast<std::uint8_t>(random());
+  }
+  tiles[3].disparity_tolerance = 1e-8f;  // finer than floats are: coded with another
+  for (const Tile& tile : tiles)
+    for (const int quality : {100, 80, 30, 1}) {
+      CodedSamples told;
+      const auto encoded = encode_tile(tile, {quality}, nullptr, &told);
+      ASSERT_TRUE(encoded);
+      EXPECT_EQ(*encoded, encode_tile(tile, {quality}).value());
+      const auto decoded = decode_tile(*encoded);
+      ASSERT_TRUE(decoded);
+      EXPECT_TRUE(told.rgb == decoded->rgb) << "quality " << quality;
+      EXPECT_TRUE(told.disparity == decoded->disparity) << "quality " << quality;
+    }
+}
+
 // Two samples of which one is nearly infinite make a plane of any slope: more than the coder's integers hold.
 TEST(TileCodec, SpikesAtATinyToleranceStayWithinTheToleranceOfTheHeader) {
   for (const float tolerance : {1e-5f, 1e-8f, 1e-11f}) {

@@ -18,7 +18,7 @@ class ColourProbeTest : public testing::Test {
   ColourProbes probes() const { return {*placed_.scene, space_, placed_.at(glm::dvec3(0)), tile_, {640, 360}}; }
   Certificate measured(const Tile& decoded) const {
     Certificate certificate;
-    probes().measure(tile_, decoded, certificate);
+    probes().measure(tile_, {decoded.disparity, decoded.rgb}, certificate);
     return certificate;
   }
   test::PlacedScene placed_;
