@@ -7,6 +7,13 @@
 #include "server/impostor/supersample.h"
 
 namespace farfield {
+namespace {
+
+// Rows of samples between which those are shaded again that want it: their rays are still near at hand.
+constexpr int kStripe = 16;
+static_assert(kTileSamples % kStripe == 0);
+
+}  // namespace
 
 Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec3& view, const TileId& id, int edge_samples,
                      double warp_gain, double tolerance, const VisibleBlocks* visible, TileWork& work) {
@@ -20,10 +27,10 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
   const ViewFrame frame = ViewFrame::of(space, view, id.face, edge_samples);
   const int first_i = id.x * kTileStride, first_j = id.y * kTileStride;
 
-  const double start = thread_seconds();
+  double start = thread_seconds();
   SampleArrays samples(size);
   std::vector<UnevenPacket> uneven;
-  for (int y = 0; y < kTileSamples; y += 4)
+  for (int y = 0; y < kTileSamples; y += 4) {
     for (int x = 0; x < kTileSamples; x += 4) {
       int i[kPacketSize], j[kPacketSize], index[kPacketSize];
       bool any = false;
@@ -37,10 +44,13 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
       if (!any) continue;
       cast_samples(scene, space, frame, i, j, index, samples, uneven);
     }
-  work.intra_seconds += thread_seconds() - start;
+    if ((y + 4) % kStripe != 0) continue;
+    work.intra_seconds += thread_seconds() - start;
+    shade_uneven(scene, frame, uneven, samples.covered, samples);
+    uneven.clear();
+    start = thread_seconds();
+  }
   work.rays += static_cast<std::size_t>(std::count(samples.known.begin(), samples.known.end(), 1));
-
-  shade_uneven(scene, frame, uneven, samples.covered, samples);
 
   tile.coverage = samples.covered;
   if (std::find(tile.coverage.begin(), tile.coverage.end(), 1) == tile.coverage.end()) return tile;

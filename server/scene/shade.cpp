@@ -2,6 +2,7 @@
 // Scene::shade: the radiance of what a packet hit, by the formula of common/shading/shading.h.
 //
 // The lanes of a packet mostly share a few triangles, so the lanes are taken triangle by triangle.
+#include <array>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -48,48 +49,48 @@ float relative_footprint(const RayPacket& rays, const HitPacket& hits, int lane,
   return width * width * length2 / (std::max(cosine, kLeastCosine) * doubled_area);
 }
 
-// A triangle's plane in barycentric terms: from a step on the plane to the change of (u, v). In double: the square of a small
-// triangle's doubled area is not a float.
-struct BarycentricStep {
-  glm::dvec3 per_u, per_v, normal;
-  BarycentricStep(const glm::vec3& edge_u, const glm::vec3& edge_v) : normal(glm::cross(glm::dvec3(edge_u), glm::dvec3(edge_v))) {
-    const double scale = 1.0 / glm::dot(normal, normal);
-    per_u = glm::cross(glm::dvec3(edge_v), normal) * scale;
-    per_v = glm::cross(normal, glm::dvec3(edge_u)) * scale;
+// Side by side, one for each of four look-ups.
+typedef double F64x4 __attribute__((vector_size(32)));
+
+// Where rays turned a little from one that meets a triangle's plane meet it, in barycentric terms. In double: the square of a
+// small triangle's doubled area is not a float.
+class TurnedRays {
+ public:
+  /// By half of `across` and of `down`, either way.
+  TurnedRays(const glm::vec3& edge_u, const glm::vec3& edge_v, const glm::vec3& across, const glm::vec3& down)
+      : normal_(glm::cross(glm::dvec3(edge_u), glm::dvec3(edge_v))) {
+    const double scale = 1.0 / glm::dot(normal_, normal_);
+    per_u_ = glm::cross(glm::dvec3(edge_v), normal_) * scale;
+    per_v_ = glm::cross(normal_, glm::dvec3(edge_u)) * scale;
+    const auto along = [&](const glm::dvec3& axis, F64x4& turned) {
+      turned = 0.5 * glm::dot(axis, glm::dvec3(across)) * F64x4{-1, 1, -1, 1} + 0.5 * glm::dot(axis, glm::dvec3(down)) * F64x4{-1, -1, 1, 1};
+    };
+    along(normal_, turn_normal_), along(per_u_, turn_u_), along(per_v_, turn_v_);
   }
-  // Zero where the step leads more than four triangles away, or the triangle is none: a texture need not go on there as it
-  // does here.
-  glm::vec2 of(const glm::dvec3& step) const {
-    const glm::dvec2 change{glm::dot(per_u, step), glm::dot(per_v, step)};
-    return std::abs(change.x) <= 4 && std::abs(change.y) <= 4 ? glm::vec2(change) : glm::vec2(0);
+  /// How much (u, v) changes for each. Zero where that leads more than four triangles away, or the triangle is none: a texture
+  /// need not go on there as it does here.
+  std::array<glm::vec2, 4> changes(const glm::dvec3& direction, double distance) const {
+    const double facing = glm::dot(normal_, direction), u = glm::dot(per_u_, direction), v = glm::dot(per_v_, direction);
+    const F64x4 turned = facing + turn_normal_;
+    // Near the horizon of a plane the footprint has no end: four times as far at most.
+    F64x4 ratio = facing / turned;
+    ratio = (turned * facing > 0) & (ratio < 4) ? ratio : F64x4{4, 4, 4, 4};
+    const F64x4 du = distance * (ratio * (u + turn_u_) - u), dv = distance * (ratio * (v + turn_v_) - v);
+    std::array<glm::vec2, 4> result;
+    for (int k = 0; k < 4; ++k)
+      result[static_cast<std::size_t>(k)] = std::abs(du[k]) <= 4 && std::abs(dv[k]) <= 4 ? glm::vec2(du[k], dv[k]) : glm::vec2(0);
+    return result;
   }
+
+ private:
+  glm::dvec3 normal_, per_u_, per_v_;
+  F64x4 turn_normal_, turn_u_, turn_v_;  // products of the turns with these
 };
 
 }  // namespace
 
 struct Scene::FineLookups {
   glm::vec3 across, down;
-
-  // Where on the plane a ray turned by `turn` meets it, less where `direction` does, at parameter `distance`.
-  static glm::dvec3 step(const BarycentricStep& plane, const glm::dvec3& direction, double distance, const glm::dvec3& turn) {
-    const double facing = glm::dot(plane.normal, direction), turned = glm::dot(plane.normal, direction + turn);
-    // Near the horizon of a plane the footprint has no end: four times as far at most.
-    const double ratio = turned * facing > 0 ? std::min(facing / turned, 4.0) : 4.0;
-    return distance * (ratio * (direction + turn) - direction);
-  }
-
-  // The mean of the four look-ups around (u, v); look_up(u, v).
-  template <class LookUp>
-  glm::vec3 mean(const BarycentricStep& plane, const RayPacket& rays, const HitPacket& hits, int lane, LookUp look_up) const {
-    const glm::dvec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
-    glm::vec3 sum(0);
-    for (int k = 0; k < 4; ++k) {
-      const glm::dvec3 turn((k & 1 ? 0.5f : -0.5f) * across + (k & 2 ? 0.5f : -0.5f) * down);
-      const glm::vec2 change = plane.of(step(plane, direction, hits.distance[lane], turn));
-      sum += look_up(hits.u[lane] + change.x, hits.v[lane] + change.y);
-    }
-    return 0.25f * sum;
-  }
 };
 
 void Scene::shade(const RayPacket& rays, const HitPacket& hits, float pixel_angle, float* rgb) const {
@@ -139,13 +140,22 @@ void Scene::shade(const RayPacket& rays, const HitPacket& hits, float pixel_angl
       const glm::vec3 in_mesh = mesh.positions[index[k]] - mesh.positions[index[0]];
       return part < state.flattened_parts ? in_mesh : glm::mat3(state.parts[part].scene_from_mesh) * in_mesh;
     };
-    const std::optional<BarycentricStep> plane = fine ? std::optional<BarycentricStep>({edge(1), edge(2)}) : std::nullopt;
+    std::optional<TurnedRays> turned;
+    if (fine) turned.emplace(edge(1), edge(2), fine->across, fine->down);
     for (; lanes != 0; lanes &= lanes - 1) {
       const int lane = std::countr_zero(lanes);
       const float u = hits.u[lane], v = hits.v[lane];
       const float mip = mip_level(relative_footprint(rays, hits, lane, pixel_angle) * texels);
-      const auto look_up = [&](float at_u, float at_v) { return state.textures.sample(texture, uv.at(at_u, at_v), mip); };
-      const glm::vec3 value = radiance.at(u, v) * (plane ? fine->mean(*plane, rays, hits, lane, look_up) : look_up(u, v));
+      glm::vec3 albedo;
+      if (turned) {
+        const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
+        std::array<glm::vec2, 4> places = turned->changes(direction, hits.distance[lane]);
+        for (glm::vec2& place : places) place = uv.at(u + place.x, v + place.y);
+        albedo = state.textures.mean_of_four(texture, places, mip);
+      } else {
+        albedo = state.textures.sample(texture, uv.at(u, v), mip);
+      }
+      const glm::vec3 value = radiance.at(u, v) * albedo;
       for (int c = 0; c < 3; ++c) rgb[3 * lane + c] = value[c];
     }
   }

@@ -19,6 +19,9 @@ typedef std::uint16_t U16x4 __attribute__((vector_size(8)));
 typedef std::int32_t I32x4 __attribute__((vector_size(16)));
 typedef float F32x4 __attribute__((vector_size(16)));
 
+// Two texels side by side.
+typedef float F32x8 __attribute__((vector_size(32)));
+
 constexpr float kLinearScale = 65535.0f;
 
 // Four channels at once. GCC 12 takes __builtin_convertvector of 16-bit lanes apart, so it is spelt out where it can
@@ -30,6 +33,16 @@ F32x4 to_floats(const void* texel) {
   U16x4 channels;
   std::memcpy(&channels, texel, sizeof channels);
   return __builtin_convertvector(channels, F32x4);
+#endif
+}
+
+// Two texels one after the other in memory.
+void load_pair(const void* texels, F32x8& pair) {
+#ifdef __AVX2__
+  pair = F32x8(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(static_cast<const __m128i*>(texels)))));
+#else
+  const F32x4 two[2] = {to_floats(texels), to_floats(static_cast<const char*>(texels) + 8)};
+  std::memcpy(&pair, two, sizeof pair);
 #endif
 }
 
@@ -62,6 +75,49 @@ struct TextureSet::Lookup {
     const F32x4 upper = upper_left + x * (load(second[lane], first[lane + 1]) - upper_left);
     const F32x4 lower = lower_left + x * (load(second[lane], second[lane + 1]) - lower_left);
     return upper + y * (lower - upper);
+  }
+};
+
+// Four points in one level, in one go: their columns and rows side by side, and their texels two at a time.
+struct TextureSet::FourLookups {
+  struct Axis {
+    I32x4 first, second;
+    F32x4 fraction;
+
+    // As in Lookup. Requires: 0 <= at <= 1.
+    Axis(const F32x4& at, int size) {
+      const F32x4 place = at * static_cast<float>(size) + 0.5f;
+      const I32x4 whole = __builtin_convertvector(place, I32x4);
+      fraction = place - __builtin_convertvector(whole, F32x4);
+      first = whole - 1;
+      first = first < 0 ? I32x4{} + (size - 1) : first;
+      second = whole >= size ? I32x4{} : whole;
+    }
+  };
+  F32x4 u, v;  // within the texture
+
+  explicit FourLookups(const std::array<glm::vec2, 4>& uv) {
+    for (int k = 0; k < 4; ++k) u[k] = uv[static_cast<std::size_t>(k)].x - std::floor(uv[static_cast<std::size_t>(k)].x);
+    for (int k = 0; k < 4; ++k) v[k] = uv[static_cast<std::size_t>(k)].y - std::floor(uv[static_cast<std::size_t>(k)].y);
+  }
+  // Returns: r, g, b, a times four times their scale.
+  F32x4 sum(const Level& level) const {
+    const Axis columns(u, level.width), rows(v, level.height);
+    F32x8 total{};
+    for (int k = 0; k < 4; ++k) {
+      const std::int32_t left = columns.first[k], right = columns.second[k];
+      const auto load = [&](std::int32_t row, F32x8& pair) {
+        const Texel* first = &level.texels[static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width)];
+        if (right == left + 1) return load_pair(first + left, pair);
+        const Texel both[2] = {first[left], first[right]};
+        load_pair(both, pair);
+      };
+      F32x8 upper, lower;
+      load(rows.first[k], upper), load(rows.second[k], lower);
+      const float x = columns.fraction[k], rest = 1 - x;
+      total += (upper + rows.fraction[k] * (lower - upper)) * F32x8{rest, rest, rest, rest, x, x, x, x};
+    }
+    return F32x4{total[0], total[1], total[2], total[3]} + F32x4{total[4], total[5], total[6], total[7]};
   }
 };
 
@@ -108,6 +164,18 @@ glm::vec3 TextureSet::sample(std::uint32_t texture, const glm::vec2& uv, float m
   const float towards_coarse = mip - static_cast<float>(at);
   if (towards_coarse > 0.0f) sum += towards_coarse * (lookup.blend(coarse, 2) - sum);
   return glm::vec3(sum[0], sum[1], sum[2]) * (1.0f / kLinearScale);
+}
+
+glm::vec3 TextureSet::mean_of_four(std::uint32_t texture, const std::array<glm::vec2, 4>& uv, float mip) const {
+  const std::vector<Level>& levels = textures_[texture].levels;
+  const std::size_t last = levels.size() - 1;
+  mip = std::min(mip, static_cast<float>(last));
+  const auto at = static_cast<std::size_t>(mip);
+  const FourLookups lookups(uv);
+  F32x4 sum = lookups.sum(levels[at]);
+  const float towards_coarse = mip - static_cast<float>(at);
+  if (towards_coarse > 0.0f) sum += towards_coarse * (lookups.sum(levels[std::min(at + 1, last)]) - sum);
+  return glm::vec3(sum[0], sum[1], sum[2]) * (0.25f / kLinearScale);
 }
 
 float TextureSet::sample_alpha(std::uint32_t texture, const glm::vec2& uv) const {

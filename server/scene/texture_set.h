@@ -33,6 +33,8 @@ class TextureSet {
 
   /// Linear RGB, bilinear in the two levels around `mip` (>= 0) and linear between them.
   glm::vec3 sample(std::uint32_t texture, const glm::vec2& uv, float mip) const;
+  /// The mean of sample() at four places.
+  glm::vec3 mean_of_four(std::uint32_t texture, const std::array<glm::vec2, 4>& uv, float mip) const;
   /// Alpha 0 … 1 of one texel of level 0. Requires: within the texture.
   float texel_alpha(std::uint32_t texture, int column, int row) const {
     const Level& level = textures_[texture].levels.front();
@@ -61,6 +63,7 @@ class TextureSet {
     std::vector<Level> levels;
   };
   struct Lookup;
+  struct FourLookups;
 
   std::vector<Texture> textures_;
   std::array<float, 256> linear_;

@@ -99,6 +99,30 @@ TEST(Shade, FootprintChoosesTheMipLevel) {
   EXPECT_NEAR(contrast(0.1f, 10.0f / 64, inclined), 0.5f * (1 + grey), 5e-3f) << "inclination widens footprints";
 }
 
+TEST(Shade, FineLookupsLieWhereTurnedRaysMeetThePlane) {
+  Model model = model_of(square(3));
+  model.textures.push_back(checkerboard(8, 16));
+  model.materials[0].texture = 0;
+  const auto scene = build(std::move(model));
+  const glm::vec3 across(0.02f, 0.01f, 0), down(-0.01f, 0.03f, 0.005f);
+  const float sharp = 1e-6f;  // always the first level
+  for (int place = 0; place < 40; ++place) {
+    const glm::vec3 target(0.3f + 0.01f * static_cast<float>(place), 0.4f + 0.003f * static_cast<float>(place), 0), direction(0.3f, 0.9f, -0.4f);
+    const auto shaded = [&](const glm::vec3& turn, bool is_fine) {
+      RayPacket rays = packet_from(target - 0.5f * direction);
+      for (int i = 0; i < kPacketSize; ++i) aim(rays, i, direction + turn);
+      HitPacket hits;
+      scene->intersect(rays, hits);
+      float rgb[3 * kPacketSize] = {};
+      is_fine ? scene->shade_finely(rays, hits, sharp, across, down, rgb) : scene->shade(rays, hits, sharp, rgb);
+      return rgb[0];
+    };
+    float sum = 0;
+    for (int k = 0; k < 4; ++k) sum += shaded((k & 1 ? 0.5f : -0.5f) * across + (k & 2 ? 0.5f : -0.5f) * down, false);
+    EXPECT_NEAR(shaded(glm::vec3(0), true), 0.25f * sum, 2e-3f) << place;
+  }
+}
+
 // A textured square seen so that a step of `slope` metres upwards goes with one of a metre away; look-ups around its middle.
 double error_of_shading(bool is_fine, float away) {
   Model model = model_of(square(1));
@@ -252,6 +276,27 @@ TEST(TextureSet, RepeatsAndInterpolatesBetweenTexelCentres) {
   EXPECT_NEAR(set.sample(0, {-3.25f, 7.5f}, 0).r, 1.0f, 1e-6f);
   EXPECT_NEAR(set.sample_alpha(0, {0.75f, 0.5f}), 0.2f, 1e-6f);
   EXPECT_EQ(set.sample(0, {0.3f, 0.5f}, 99.0f), set.sample(0, {0.8f, 0.1f}, 1.0f)) << "past the last level";
+}
+
+TEST(TextureSet, FourLookupsAtOnceAreTheirMean) {
+  for (const glm::ivec2 size : {glm::ivec2(37, 5), glm::ivec2(1, 1), glm::ivec2(2, 1), glm::ivec2(16, 64)}) {
+    TextureImage image{size.x, size.y, {}, "noise"};
+    for (int i = 0; i < size.x * size.y; ++i)
+      image.rgba.insert(image.rgba.end(), {static_cast<std::uint8_t>(i * 83), static_cast<std::uint8_t>(i * i), static_cast<std::uint8_t>(i * 7 + 3), 255});
+    TextureSet set;
+    set.add(image, {});
+    for (int i = 0; i < 5000; ++i) {
+      std::array<glm::vec2, 4> places;
+      for (int k = 0; k < 4; ++k)
+        places[k] = {std::fmod(0.7548777f * static_cast<float>(4 * i + k), 3.0f) - 1.5f, std::fmod(0.5698403f * static_cast<float>(4 * i + k), 3.0f) - 1.5f};
+      if (i == 0) places = {glm::vec2(0), glm::vec2(1), glm::vec2(-1e-9f), glm::vec2(0.99999994f)};
+      const float mip = static_cast<float>(i % 50) * 0.1f;
+      glm::vec3 sum(0);
+      for (const glm::vec2& place : places) sum += set.sample(0, place, mip);
+      const glm::vec3 mean = set.mean_of_four(0, places, mip);
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(mean[c], 0.25f * sum[c], 1e-6f) << size.x << " " << i;
+    }
+  }
 }
 
 TEST(AlphaMask, AgreesWithTheLookUpItSpares) {
