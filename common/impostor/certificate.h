@@ -10,9 +10,6 @@
 
 namespace farfield {
 
-/// One tile in so many has its half measured: one of each two by two of a face, the same whoever asks.
-inline constexpr int kTilesPerMeasured = 4;
-
 struct Certificate {
   // ── the shell ──
   std::uint16_t void_rays = 0;        // directions looked into from validation viewpoints; 0: not measured
@@ -20,7 +17,7 @@ struct Certificate {
   std::uint16_t void_worst_hits = 0;  // the same from the worst viewpoint …
   std::uint16_t void_worst_rays = 0;  // … of as many directions
 
-  // ── the tile, where it is one of those measured ──
+  // ── the tile, but for those of fallback views, which promise nothing ──
   /// Squared difference of 8-bit sRGB values between what is shown at a random place of the tile and truth in a pixel there,
   /// mean over the three channels and over the probes. [0]: shown with one sample per pixel, [1]: with four. -1: not
   /// measured.

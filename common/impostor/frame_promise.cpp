@@ -87,18 +87,12 @@ FramePromise PromiseSum::promise() const {
     result.void_share = std::min(1.0, slack_.void_factor * bound + slack_.void_per_pitch * view_.display.pixel_pitch());
   }
   if (!colours_.empty()) {
-    double weights = 0, mse = 0, between = 0, within = 0;
+    double weights = 0, mse = 0, variance = 0;
     for (const MeasuredColour& c : colours_) weights += c.weight, mse += c.weight * c.mse;
     mse /= weights;
-    for (const MeasuredColour& c : colours_) {
-      const double share = c.weight / weights;
-      between += share * share * (c.mse - mse) * (c.mse - mse), within += share * share * c.error * c.error;
-    }
-    // Of one tile alone nothing is known of the others: they may be as far from it as it is from perfect.
-    const auto tiles = static_cast<double>(colours_.size());
-    between = tiles > 1 ? between * tiles / (tiles - 1) * (1 - 1.0 / kTilesPerMeasured) : mse * mse;
+    for (const MeasuredColour& c : colours_) variance += c.weight * c.weight / (weights * weights) * c.error * c.error;
     result.expected_psnr_db = psnr_of(mse);
-    result.psnr_db = psnr_of(mse + kStandardNormal99 * std::sqrt(between + within)) - slack_.colour_db;
+    result.psnr_db = psnr_of(mse + kStandardNormal99 * std::sqrt(variance)) - slack_.colour_db;
   }
   if (warp_px_ >= 0) result.warp_px = slack_.warp_factor * warp_px_;
   return result;

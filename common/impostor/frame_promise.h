@@ -5,8 +5,8 @@
 // Tiles are strata: what is promised is an upper bound of their weighted mean, with kConfidence.
 //   voids   The shells' counts are independent, each nearly Poisson, since voids are rare: the bound adds to the sum of shares
 //           what Garwood 1936 ("Fiducial limits for the Poisson distribution") adds to the sum of counts, over the fewest rays.
-//   colour  mean + z·error. One tile in kTilesPerMeasured was measured: two-stage sampling, whose variance is that between the tiles
-//           measured, less their share of all, and that within each (Cochran 1977, "Sampling Techniques", eq. 10.15).
+//   colour  mean + z·error, the error being that of a stratified sample (Cochran 1977, "Sampling Techniques", eq. 5.6): every
+//           tile was measured, so how they differ from each other adds nothing to it.
 //   warp    No tile's 99th percentile is exceeded, so neither is it by all of them together; each moved as far as the
 //           eye's place in the cell lets an error of its disparity move it (sampling.h). Of tiles not measured the bound
 //           that coding guarantees stands for the percentile.

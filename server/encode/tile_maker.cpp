@@ -36,17 +36,6 @@ std::size_t samples_without_depth(const Tile& tile) {
 // How a tile that misses its target is coded finer.
 constexpr int kQualityStep = 8, kFinestQuality = 92;
 
-// Decoding and probing take half as long as casting a tile, so that one in four is measured, and stands for the others of its
-// shell (frame_promise.h): one of each two by two, so that few frames are without, and which is a matter of the face's name.
-// Fallback views promise nothing.
-bool is_measured(const TileId& id) {
-  static_assert(kTilesPerMeasured == 4);
-  if (id.view == kFallbackView) return false;
-  const std::int32_t face[] = {id.cell.level, id.cell.x, id.cell.y, id.cell.z, id.view, id.face};
-  const std::uint64_t place = hash_values(std::span<const std::int32_t>(face), 0x63657274);
-  return (id.x & 1) == (place & 1) && (id.y & 1) == (place >> 1 & 1);
-}
-
 constexpr double kMostError = 255.0 * 255.0;
 
 double mse_of_psnr(double psnr_db) { return kMostError * std::pow(10.0, -0.1 * psnr_db); }
@@ -164,7 +153,7 @@ bool TileMaker::is_known(ContentHash content, const CellId& cell) {
 }
 
 Result<Bytes> TileMaker::encode_certified(const Tile& tile, TileBytes& accounting, double& certify_seconds) {
-  if (!is_measured(tile.id)) return encode_tile(tile, {quality_of(tile.id)}, &accounting);
+  if (tile.id.view == kFallbackView) return encode_tile(tile, {quality_of(tile.id)}, &accounting);
   const CellSpace space = CellSpace::of_shell(shells_, tile.id.cell, tree_->scene_root());
   const double start = thread_seconds();
   const ColourProbes probes(*scene_, space, space.box.center() + glm::dvec3(tile.view_offset) * space.side_m, tile, settings_.display);

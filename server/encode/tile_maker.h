@@ -30,7 +30,7 @@ class TileMaker : public TileSource {
   CertificateCounts certificates() const override { return {certified_, refined_, missed_}; }
 
  private:
-  /// The tile's bytes; of a measured one its certificate is among them, and it is coded finer where its target asks for it.
+  /// The tile's bytes, its certificate among them; coded finer where its target asks for it. Fallback views have neither.
   Result<Bytes> encode_certified(const Tile& tile, TileBytes& accounting, double& certify_seconds);
 
   const std::shared_ptr<const Scene> scene_;

@@ -34,7 +34,7 @@ struct EncodedTile {
   ContentHash hash = 0;       // of the bytes
   double seconds = 0;         // thread seconds spent
   double intra_seconds = 0;   // of these, casting and shading one ray per sample of the intra view
-  double certify_seconds = 0;  // of these, probing and decoding
+  double certify_seconds = 0;  // of these, for its certificate
   std::uint32_t covered_samples = 0;
   std::uint32_t colour_bytes = 0, disparity_bytes = 0, other_bytes = 0;
   std::uint32_t rays = 0;     // one per sample cast; probes, cuts and several rays per sample left out

@@ -21,14 +21,14 @@ namespace farfield {
 /// Rays of a tile's probes, cast once: they can be held against several encodings of it.
 class ColourProbes {
  public:
-  /// kProbes packets of rays, fewer than a thirtieth of a full tile's. Deterministic: the places depend on the tile's name and
+  /// kProbes packets of rays, fewer than a sixtieth of a full tile's. Deterministic: the places depend on the tile's name and
   /// coverage only. `view`: where the tile's view stands. Requires: the tile as cast.
   ColourProbes(const Scene& scene, const CellSpace& space, const glm::dvec3& view, const Tile& tile, const Display& display);
 
   /// Sets the tile's half of a certificate. `exact`: the tile as cast; `decoded`: the same as clients will have it.
   void measure(const Tile& exact, const CodedSamples& decoded, Certificate& certificate) const;
 
-  static constexpr int kProbes = 32;
+  static constexpr int kProbes = 16;  // a frame shows some thirty tiles
 
  private:
   struct Quarter {

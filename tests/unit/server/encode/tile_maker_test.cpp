@@ -95,13 +95,14 @@ TEST_F(TileMakerTest, TilesDecodeToWhatWasCastAndCarryTheirCertificate) {
     }
     EXPECT_LE(decoded.certificate.disparity_p99, decoded.disparity_tolerance * 1.001f);
     measured += decoded.certificate.colour_mse[0] >= 0;
-    EXPECT_EQ(decoded.certificate.colour_mse[0] >= 0, decoded.certificate.disparity_p99 >= 0);
+    EXPECT_EQ(decoded.certificate.colour_mse[0] >= 0, id.view != kFallbackView) << "every tile is measured";
+    EXPECT_EQ(decoded.certificate.disparity_p99 >= 0, id.view != kFallbackView);
     if (id.view == kFallbackView) continue;
     EXPECT_GT(decoded.certificate.void_rays, 10000);
     EXPECT_LE(decoded.certificate.void_hits, decoded.certificate.void_rays / 100);
     EXPECT_LE(decoded.certificate.void_worst_hits, decoded.certificate.void_hits);
   }
-  EXPECT_GE(measured, 1) << "one in four";
+  EXPECT_GE(measured, 1);
 }
 
 TEST_F(TileMakerTest, CancelledAndUnknownTilesAreErrors) {
