@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/thread_clock.h"
+#include "common/codec/texture_codec.h"
 #include "common/geometry/chunk.h"
 
 namespace farfield::client {

@@ -75,11 +75,4 @@ struct TextureLevel {
 
 inline constexpr int kMaxTextureEdge = 4096;
 
-/// JPEG 4:4:4 colour, lossless under 16 texels; alpha, where any texel is not opaque, lossless. Format: see
-/// texture_codec.cpp.
-/// Requires: 1 <= width, height <= kMaxTextureEdge, rgba.size() == 4·width·height, level < level_count <= 255.
-Bytes encode_texture_level(const TextureLevel& level);
-/// Errors: kBadData, kVersionMismatch, kLimitExceeded (an edge beyond kMaxTextureEdge).
-Result<TextureLevel> decode_texture_level(ByteView bytes);
-
 }  // namespace farfield

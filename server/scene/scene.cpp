@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/scene/scene.h"
 
+#include "common/codec/texture_codec.h"
 #include "server/scene/scene_state.h"
 
 namespace farfield {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Texture levels from anywhere: decode_texture_level(), and that what it accepts can be uploaded.
-#include "common/geometry/chunk.h"
+#include "common/codec/texture_codec.h"
 #include "tests/fuzz/require.h"
 
 using farfield::fuzz::require;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/codec/texture_codec.h"
 #include "common/codec/tile_codec.h"
 
 namespace farfield::client {

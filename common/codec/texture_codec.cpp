@@ -1,30 +1,87 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoded texture level, version 1. Little-endian.
+// The encoded texture level, version 2. Little-endian.
 //
-//   u8  version = 1
-//   u8  flags                bit 0 colour is a JPEG (else zstd of R G B rows), 1 an alpha plane follows
+//   u8  version = 2
+//   u8  flags                bit 0 colour is panels (else zstd of R G B rows), 1 an alpha plane follows
 //   u64 texture              content hash
 //   u8  level, u8 level count
 //   u16 width, u16 height    1 … kMaxTextureEdge
 //   varint colour bytes, colour
+//                            panels: squares of kPanelEdge texels, those of the last column and row perhaps smaller, row by row;
+//                            each a varint of its bytes, and as many: colour_codec.h, quality kColourQuality
 //   the rest: zstd of the alpha plane, rows top to bottom, only with flag 1; without it all texels are opaque
+#include "common/codec/texture_codec.h"
+
 #include <zstd.h>
 
 #include <algorithm>
 #include <cassert>
 
-#include "common/geometry/chunk.h"
-#include "common/geometry/texture_jpeg.h"
+#include "common/codec/colour_codec.h"
 
 namespace farfield {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
-constexpr int kJpegQuality = 90;
+constexpr std::uint8_t kVersion = 2;
+constexpr int kColourQuality = 95;
 constexpr int kZstdLevel = 3;
-constexpr int kLeastJpegEdge = 16;  // below, a JPEG's header outweighs its picture
+constexpr int kLeastCodedEdge = 16;  // the coder has learnt nothing before
+constexpr int kPanelEdge = 256;      // bounds what coding takes besides the texels, to some 4 MB
 
-enum Flags : std::uint8_t { kJpeg = 1, kAlpha = 2, kKnownFlags = 3 };
+enum Flags : std::uint8_t { kPanels = 1, kAlpha = 2, kKnownFlags = 3 };
+
+/// Calls visit(x, y, width, height) for each panel until it returns false.
+template <class Visit>
+bool each_panel(const TextureLevel& level, Visit visit) {
+  for (int y = 0; y < level.height; y += kPanelEdge)
+    for (int x = 0; x < level.width; x += kPanelEdge)
+      if (!visit(x, y, std::min(kPanelEdge, level.width - x), std::min(kPanelEdge, level.height - y))) return false;
+  return true;
+}
+
+/// A tile of that size that is covered all over.
+TileBits whole(int width, int height) {
+  Tile tile;
+  tile.width = width, tile.height = height;
+  tile.coverage.assign(tile.samples(), 1);
+  tile.cut_right.assign(tile.samples(), kConnected), tile.cut_down = tile.cut_right;
+  return TileBits(tile);
+}
+
+Bytes encode_panels(const TextureLevel& level) {
+  ByteWriter out;
+  each_panel(level, [&](int x, int y, int width, int height) {
+    Bytes rgb;
+    rgb.reserve(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (int row = y; row < y + height; ++row)
+      for (int column = x; column < x + width; ++column) {
+        const std::uint8_t* texel = &level.rgba[4 * (static_cast<std::size_t>(row) * level.width + column)];
+        rgb.insert(rgb.end(), texel, texel + 3);
+      }
+    const Bytes panel = encode_colour(rgb, whole(width, height), kColourQuality);
+    out.put_varint(panel.size());
+    out.put_bytes(panel);
+    return true;
+  });
+  return out.take();
+}
+
+/// Returns: false if the bytes end too early or too late.
+bool decode_panels(ByteView colour, TextureLevel& level) {
+  ByteReader in(colour);
+  const bool is_complete = each_panel(level, [&](int x, int y, int width, int height) {
+    const std::uint64_t size = in.get_varint();
+    if (!in.ok() || size > in.remaining()) return false;
+    const std::vector<std::uint8_t> rgb = decode_colour(in.get_bytes(size), whole(width, height), kColourQuality);
+    for (int row = 0; row < height; ++row)
+      for (int column = 0; column < width; ++column) {
+        std::uint8_t* texel = &level.rgba[4 * (static_cast<std::size_t>(y + row) * level.width + x + column)];
+        std::copy_n(&rgb[3 * (static_cast<std::size_t>(row) * width + column)], 3, texel);
+      }
+    return true;
+  });
+  return is_complete && in.remaining() == 0;
+}
 
 Bytes compressed(ByteView bytes) {
   Bytes out(ZSTD_compressBound(bytes.size()));
@@ -55,11 +112,12 @@ Bytes encode_texture_level(const TextureLevel& level) {
   for (std::size_t i = 3; i < level.rgba.size() && is_opaque; i += 4) is_opaque = level.rgba[i] == 255;
   Bytes colour;
   std::uint8_t flags = is_opaque ? 0 : kAlpha;
-  if (std::min(level.width, level.height) >= kLeastJpegEdge) {
-    colour = encode_texture_jpeg(level.rgba, level.width, level.height, kJpegQuality);
-    if (!colour.empty()) flags |= kJpeg;
+  if (std::min(level.width, level.height) >= kLeastCodedEdge) {
+    flags |= kPanels;
+    colour = encode_panels(level);
+  } else {
+    colour = compressed(plane(level.rgba, 0, 3));
   }
-  if (!(flags & kJpeg)) colour = compressed(plane(level.rgba, 0, 3));
 
   ByteWriter out;
   out.put(kVersion);
@@ -100,9 +158,12 @@ Result<TextureLevel> decode_texture_level(ByteView bytes) {
   const ByteView alpha = in.get_bytes(in.remaining());
   const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
 
-  if (flags & kJpeg) {
-    if (Status decoded = decode_texture_jpeg(colour, level.width, level.height, level.rgba); !decoded)
-      return fail_within("encoded texture level", std::move(decoded).error());
+  if (flags & kPanels) {
+    // A panel of nothing but its size would be a byte: what is allocated is bounded by what arrived.
+    const auto panels = [](int edge) { return static_cast<std::size_t>((edge + kPanelEdge - 1) / kPanelEdge); };
+    if (colour.size() < panels(level.width) * panels(level.height)) return bad("its colour is cut off");
+    level.rgba.assign(4 * texels, 255);
+    if (!decode_panels(colour, level)) return bad("its colour is cut off");
   } else {
     Bytes rgb(3 * texels);
     if (ZSTD_decompress(rgb.data(), rgb.size(), colour.data(), colour.size()) != rgb.size())
