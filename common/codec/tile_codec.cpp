@@ -171,7 +171,7 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
     return encode_tile(coarser, encoding, accounting, decoded);
   }
   ByteWriter out;
-  put_header(out, tile, encoding.jpeg_quality);
+  put_header(out, tile, encoding.colour_quality);
   const std::size_t header = out.size();
   if (tile.is_packed()) put_blocks(out, tile);
   const TileBits bits(tile);
@@ -180,7 +180,7 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
   std::vector<std::uint8_t> rgb = tile.rgb;
   const Surfaces surfaces = find_surfaces(tile, bits);
   const Bytes bases = take_out_base_colours(surfaces, rgb);
-  const Bytes colour = encode_colour(rgb, bits, encoding.jpeg_quality, decoded ? &decoded->rgb : nullptr);
+  const Bytes colour = encode_colour(rgb, bits, encoding.colour_quality, decoded ? &decoded->rgb : nullptr);
   if (decoded) put_back_base_colours(bases, surfaces, decoded->rgb);
   const std::uint32_t covered = static_cast<std::uint32_t>(std::count(tile.coverage.begin(), tile.coverage.end(), 1));
   out.put_varint(covered);
@@ -192,7 +192,7 @@ Result<Bytes> encode_tile(const Tile& tile, const TileEncoding& encoding, TileBy
                    static_cast<std::uint32_t>(topology.size()), static_cast<std::uint32_t>(other), covered};
   }
   Bytes bytes = out.take();
-  if (accounting) accounting->content = content_of(tile, encoding.jpeg_quality, ByteView(bytes).subspan(header));
+  if (accounting) accounting->content = content_of(tile, encoding.colour_quality, ByteView(bytes).subspan(header));
   return bytes;
 }
 

@@ -11,7 +11,7 @@
 namespace farfield {
 
 struct TileEncoding {
-  int jpeg_quality = 88;
+  int colour_quality = 88;
 };
 
 /// Where the bytes of an encoded tile went.

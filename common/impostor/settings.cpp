@@ -20,7 +20,7 @@ ContentHash ImpostorSettings::hash() const {
                                       static_cast<double>(near_triangles),
                                       static_cast<double>(delta_views),
                                       void_target,
-                                      static_cast<double>(jpeg_quality),
+                                      static_cast<double>(colour_quality),
                                       targets.void_share,
                                       targets.coding_psnr_db};
   return hash_values(std::span<const double>(values));

@@ -25,7 +25,7 @@ struct ImpostorSettings {
   std::uint32_t near_triangles = 20000;  // P: the geometry budget
   int delta_views = 8;               // at most
   double void_target = 6e-5;         // stop adding delta views below this share of the sphere
-  int jpeg_quality = 80;
+  int colour_quality = 80;           // 1 … 100, on the scale of JPEG
   CertificateTargets targets;
 
   /// Samples along a face's edge of a view. Delta views have seven tenths of the intra view's: what they hold is seen

@@ -15,7 +15,7 @@ inline void add_quality_options(CLI::App& app, ImpostorSettings& settings) {
   app.add_option("--face-tiles", settings.face_tiles, "Tiles along a face's edge: the sample rate; 0: what the display needs")
       ->check(whole_number_between(0, 64))
       ->capture_default_str();
-  app.add_option("--quality", settings.jpeg_quality, "quality of colours on the scale of JPEG")
+  app.add_option("--quality", settings.colour_quality, "quality of colours on the scale of JPEG")
       ->check(whole_number_between(1, 100))
       ->capture_default_str();
   app.add_option("--delta-views", settings.delta_views, "Delta views per cell, at most")

@@ -58,7 +58,7 @@ double coding_error(const Tile& exact, const CodedSamples& decoded) {
 
 int TileMaker::quality_of(const TileId& id) const {
   const int drop = id.is_delta() ? kDeltaQualityDrop : id.view == kFallbackView ? kFallbackQualityDrop : 0;
-  return std::max(1, settings_.jpeg_quality - drop);
+  return std::max(1, settings_.colour_quality - drop);
 }
 
 TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,

@@ -226,7 +226,7 @@ FarfieldSettings with_knobs(const World& world, const std::string& renderer, con
   FarfieldSettings wanted{renderer, world.options.settings, knobs.whole("client-samples")};
   ImpostorSettings& s = wanted.impostor;
   s.display = world.options.display;
-  s.jpeg_quality = knobs.whole("quality"), s.tau_px = knobs["tau"], s.face_tiles = knobs.whole("face-tiles");
+  s.colour_quality = knobs.whole("quality"), s.tau_px = knobs["tau"], s.face_tiles = knobs.whole("face-tiles");
   s.delta_views = knobs.whole("delta-views"), s.void_target = knobs["void-target"];
   return wanted;
 }
@@ -237,7 +237,7 @@ Method farfield_method(const std::string& renderer, const BenchOptions& defaults
   const ImpostorSettings& s = defaults.settings;
   const bool is_gl = renderer == "gl";
   return {"farfield-" + renderer, is_gl ? "Farfield, its meshes through OpenGL" : "Farfield, its samples warped on the processor",
-          {{"quality", double(s.jpeg_quality), "quality of colours on the scale of JPEG", 1, 100, true},
+          {{"quality", double(s.colour_quality), "quality of colours on the scale of JPEG", 1, 100, true},
            {"tau", s.tau_px, "guaranteed warp error of coded disparity, pixels", 0.01, 16},
            {"face-tiles", double(s.face_tiles), "tiles along a face's edge: the sample rate", 1, 64, true},
            {"delta-views", double(s.delta_views), "delta views per cell, at most", 0, 32, true},

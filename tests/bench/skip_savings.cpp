@@ -90,7 +90,7 @@ class SavingsMeter {
     const std::size_t n = blank.samples();
     blank.coverage.assign(n, 0), blank.cut_right.assign(n, 0), blank.cut_down.assign(n, 0);
     blank.disparity.assign(n, 0), blank.rgb.assign(3 * n, 0);
-    const Result<Bytes> encoded = encode_tile(blank, {settings_.jpeg_quality});
+    const Result<Bytes> encoded = encode_tile(blank, {settings_.colour_quality});
     return encoded ? static_cast<double>(encoded->size()) : 0;
   }
 
@@ -107,7 +107,7 @@ class SavingsMeter {
     DeltaSkips skips;
     const Tile tile = id.is_delta() ? cast_delta_tile(*scene_, space, views.positions, id, settings_, gain, tolerance, nullptr, work, skips)
                                     : cast_dense_tile(*scene_, space, views.positions[0], id, settings_.edge_samples(), gain, tolerance, nullptr, work);
-    const Result<Bytes> bytes = tile.coverage.empty() ? Result<Bytes>(Bytes()) : encode_tile(tile, {settings_.jpeg_quality});
+    const Result<Bytes> bytes = tile.coverage.empty() ? Result<Bytes>(Bytes()) : encode_tile(tile, {settings_.colour_quality});
     return {1e3 * (thread_seconds() - start), bytes ? static_cast<double>(bytes->size()) : 0};
   }
 

@@ -104,7 +104,7 @@ WarpErrors warp_errors(const World& world, const ImpostorSources& sources, const
       TileWork work;
       const Result<Tile> exact = sources.tiles->cast(ahead[t], nullptr, work);
       if (!exact || std::find(exact->coverage.begin(), exact->coverage.end(), 1) == exact->coverage.end()) continue;
-      const Result<Bytes> bytes = encode_tile(*exact, {settings.jpeg_quality});
+      const Result<Bytes> bytes = encode_tile(*exact, {settings.colour_quality});
       if (!bytes) continue;
       const Result<Tile> decoded = decode_tile(*bytes);
       if (decoded) collect(*exact, *decoded, as_meshes, grid, projector, here);

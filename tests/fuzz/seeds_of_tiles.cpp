@@ -66,7 +66,7 @@ Tile packed_tile() {
 
 void add_tile_seeds(Seeds& seeds) {
   const auto add = [&](const char* name, const Tile& tile) {
-    Result<Bytes> bytes = encode_tile(tile, {.jpeg_quality = 40});
+    Result<Bytes> bytes = encode_tile(tile, {.colour_quality = 40});
     require(bytes.has_value(), "a valid tile can be encoded");
     require(decode_tile(*bytes).has_value(), "what was encoded can be decoded");
     seeds.push_back({"tile", name, *bytes});

@@ -116,7 +116,7 @@ class DamagedImpostor : public testing::Test {
 
 TEST_F(DamagedImpostor, PoorColoursAreTold) {
   ImpostorSettings poor = without_targets();
-  poor.jpeg_quality = 5;
+  poor.colour_quality = 5;
   const auto good = frames(without_targets()), bad = frames(poor);
   EXPECT_LE(mean_of(bad, &FramePromise::expected_psnr_db), mean_of(good, &FramePromise::expected_psnr_db) - 1);
   for (const JudgedFrame& frame : bad) EXPECT_GE(frame.psnr_db, frame.promise.psnr_db);

@@ -25,7 +25,7 @@ Result<MadeCell> encoded_panels(const CellRequest& request, std::span<const Mesh
   std::vector<EncodedPanel> bytes;
   std::vector<PanelEncoding> encodings;
   for (const MeshPanel& panel : panels) {
-    encodings.push_back({request.settings.jpeg_quality, step_for(request, panel.frame.position)});
+    encodings.push_back({request.settings.colour_quality, step_for(request, panel.frame.position)});
     Result<EncodedPanel> encoded = encode_panel(panel, encodings.back());
     if (!encoded) return tl::unexpected(encoded.error());
     cell.colour_bytes += encoded->image.size(), cell.depth_bytes += encoded->mesh.size();
@@ -54,7 +54,7 @@ Result<MadeCell> single_view_cell(const CellRequest& request, int face_samples, 
 Result<MadeCell> layered_cell(const CellRequest& request, int face_samples) {
   const Clock::time_point start = Clock::now();
   const LayeredCellSamples made = make_layered_cell(request.scene, request.space, face_samples);
-  const LayeredEncoding encoding{request.settings.jpeg_quality, step_for(request, request.space.box.center())};
+  const LayeredEncoding encoding{request.settings.colour_quality, step_for(request, request.space.box.center())};
   MadeCell cell;
   std::vector<EncodedLayers> bytes;
   for (const LayeredFace& face : made.cell) {

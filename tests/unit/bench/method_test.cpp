@@ -39,7 +39,7 @@ TEST(Method, DefaultsAreAllowed) {
 
 TEST(Method, FarfieldsKnobsBeginWhereTheFlagsPutThem) {
   BenchOptions options;
-  options.settings.jpeg_quality = 33, options.client_samples = 4;
+  options.settings.colour_quality = 33, options.client_samples = 4;
   const std::vector<Method> methods = all_methods(options);
   const KnobValues values = values_of(*find_method(methods, "farfield-cpu"), {});
   EXPECT_EQ(values.whole("quality"), 33);

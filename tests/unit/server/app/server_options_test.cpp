@@ -67,7 +67,7 @@ TEST(SharedOptions, ReachTheSettings) {
                             "--memory-gb", "2"}, settings, load));
   EXPECT_EQ(settings.tau_px, 0.25);
   EXPECT_EQ(settings.face_tiles, 12);
-  EXPECT_EQ(settings.jpeg_quality, 70);
+  EXPECT_EQ(settings.colour_quality, 70);
   EXPECT_EQ(settings.delta_views, 0);
   EXPECT_EQ(settings.void_target, 0.001);
   EXPECT_EQ(settings.near_triangles, 5000u);

@@ -73,7 +73,7 @@ TEST(SceneGeometry, TheDescriptionsHashNamesSceneAndSettings) {
   EXPECT_EQ(one.triangles, 6u);
   EXPECT_DOUBLE_EQ(one.start.y, 2.0);
   EXPECT_EQ(describe_scene(*scene, settings, {9, 9, 9}).hash, one.hash);
-  settings.jpeg_quality += 1;
+  settings.colour_quality += 1;
   EXPECT_NE(describe_scene(*scene, settings, {1, 2, 3}).hash, one.hash);
 }
 
