@@ -10,7 +10,7 @@
 namespace farfield {
 
 ContentHash ImpostorSettings::hash() const {
-  const std::array<double, 13> values{finest_side_m,
+  const std::array<double, 16> values{finest_side_m,
                                       kappa,
                                       static_cast<double>(face_tiles),
                                       tau_px,
@@ -22,7 +22,10 @@ ContentHash ImpostorSettings::hash() const {
                                       void_target,
                                       static_cast<double>(colour_quality),
                                       targets.void_share,
-                                      targets.coding_psnr_db};
+                                      targets.coding_psnr_db,
+                                      has_one_slope ? 1.0 : 0.0,
+                                      rate.cell_bytes,
+                                      rate.psnr_db};
   return hash_values(std::span<const double>(values));
 }
 

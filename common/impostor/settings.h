@@ -16,6 +16,14 @@ struct CertificateTargets {
   double coding_psnr_db = 30;    // of a tile's decoded colours against those cast: below it, the tile is coded finer
 };
 
+/// What a cell's own shell may cost or must be worth; with either, colours, delta views and disparity are coded as the cell needs
+/// (server/encode/rate_control.h) instead of at fixed settings. Both: as good as asked for, within the bytes. 0: no target.
+struct RateTargets {
+  double cell_bytes = 0;  // encoded tiles of the shell that viewers in one leaf need
+  double psnr_db = 0;     // of decoded colours against those cast, over all directions in which the shell is seen
+  bool is_set() const { return cell_bytes > 0 || psnr_db > 0; }
+};
+
 struct ImpostorSettings {
   double finest_side_m = 0.5;        // side of a level-0 cell: the floor of subdivision
   double kappa = 2.0;                // margin of the near region, in sides
@@ -26,7 +34,9 @@ struct ImpostorSettings {
   int delta_views = 8;               // at most
   double void_target = 6e-5;         // stop adding delta views below this share of the sphere
   int colour_quality = 80;           // 1 … 100, on the scale of JPEG
+  bool has_one_slope = false;        // each byte of colour buys the same error as seen by viewers, instead of the same per sample
   CertificateTargets targets;
+  RateTargets rate;
 
   /// Samples along a face's edge of a view. Delta views have seven tenths of the intra view's: what they hold is seen
   /// past the rims of nearer things, and at the full rate it would be half as much again as the intra view.

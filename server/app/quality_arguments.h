@@ -24,6 +24,19 @@ inline void add_quality_options(CLI::App& app, ImpostorSettings& settings) {
   app.add_option("--void-target", settings.void_target, "Share of the sphere below which voids get no further delta view")
       ->check(number_between(0, 1))
       ->capture_default_str();
+  app.add_flag("--one-slope", settings.has_one_slope, "Code colours so that each byte buys the same error as seen, not the same per sample");
+  app.add_option("--cell-bytes", settings.rate.cell_bytes, "Bytes of a cell's own impostor as one leaf needs it: quality, delta views and depth follow; 0: no budget")
+      ->check(number_between(0, 1e9))
+      ->capture_default_str();
+  app.add_option("--target-psnr", settings.rate.psnr_db, "What coding may leave of a cell's colours, decibels: quality follows; 0: no target")
+      ->check(number_between(0, 60))
+      ->capture_default_str();
+  app.add_option("--certified-void", settings.targets.void_share, "Share of directions with voids above which validation adds delta views; 0: never")
+      ->check(number_between(0, 1))
+      ->capture_default_str();
+  app.add_option("--certified-psnr", settings.targets.coding_psnr_db, "decibels below which a tile's colours are coded finer; 0: never")
+      ->check(number_between(0, 60))
+      ->capture_default_str();
   app.add_option("--near-triangles", settings.near_triangles, "Budget of near geometry, triangles")
       ->check(whole_number_between(100, 100'000'000))
       ->capture_default_str();

@@ -6,7 +6,9 @@
 
 #include "common/base/thread_clock.h"
 #include "common/cells/sampling.h"
+#include "server/encode/colour_trial.h"
 #include "server/impostor/colour_probe.h"
+#include "server/impostor/view_catalogue.h"
 
 namespace farfield {
 namespace {
@@ -34,7 +36,7 @@ std::size_t samples_without_depth(const Tile& tile) {
 }
 
 // How a tile that misses its target is coded finer.
-constexpr int kQualityStep = 8, kFinestQuality = 92;
+constexpr int kQualityStep = 8;
 
 constexpr double kMostError = 255.0 * 255.0;
 
@@ -61,9 +63,9 @@ int TileMaker::quality_of(const TileId& id) const {
   return std::max(1, settings_.colour_quality - drop);
 }
 
-TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
-                     const ImpostorSettings& settings)
-    : scene_(std::move(scene)), catalogue_(std::move(catalogue)), shells_(shells), settings_(settings), tree_(std::move(tree)),
+TileMaker::TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewSource> views, const NestedShells& shells,
+                     const ImpostorSettings& settings, std::shared_ptr<RateControl> rates)
+    : scene_(std::move(scene)), views_(std::move(views)), shells_(shells), settings_(settings), rates_(std::move(rates)), tree_(std::move(tree)),
       fallback_gain_(warp_gain(glm::dvec3(0), NestedShells::kFallbackKappa)) {}
 
 Result<Tile> TileMaker::cast(const TileId& id, const CancelFlag& cancel, TileWork& work) {
@@ -80,7 +82,7 @@ Result<Tile> TileMaker::cast_counted(const TileId& id, const CancelFlag& cancel,
     skips.samples_coloured_once = work.samples_coloured_once;
     return tile;
   }
-  const auto views = catalogue_->views(id.cell, cancel);
+  const auto views = views_->views(id.cell, cancel);
   if (!views) return tl::unexpected(views.error());
   const std::vector<glm::dvec3>& positions = (*views)->positions;
   if (id.view >= positions.size()) return fail(ErrorCode::kNotFound, "a cell with {} views has no view {}", positions.size(), id.view);
@@ -152,22 +154,36 @@ bool TileMaker::is_known(ContentHash content, const CellId& cell) {
   return shown_.try_emplace(content, cell).first->second != cell;
 }
 
-Result<Bytes> TileMaker::encode_certified(const Tile& tile, TileBytes& accounting, double& certify_seconds) {
-  if (tile.id.view == kFallbackView) return encode_tile(tile, {quality_of(tile.id)}, &accounting);
+Result<int> TileMaker::steer(Tile& tile, const CancelFlag& cancel) const {
+  const bool is_steered = rates_ || settings_.has_one_slope;
+  if (tile.id.view == kFallbackView || !is_steered) return quality_of(tile.id);
+  double slope = slope_of_quality(settings_.colour_quality, settings_.edge_samples());
+  if (rates_) {
+    const auto coding = rates_->coding(tile.id.cell, cancel);
+    if (!coding) return tl::unexpected(coding.error());
+    slope = (*coding)->slope;
+    tile.disparity_tolerance *= static_cast<float>((*coding)->tolerance_scale);
+  }
+  return ColourTrial(tile).best_quality(slope, colour_weight(tile.id));
+}
+
+Result<Bytes> TileMaker::encode_certified(const Tile& tile, int first_quality, TileBytes& accounting, double& certify_seconds) {
+  if (tile.id.view == kFallbackView) return encode_tile(tile, {first_quality}, &accounting);
   const CellSpace space = CellSpace::of_shell(shells_, tile.id.cell, tree_->scene_root());
   const double start = thread_seconds();
   const ColourProbes probes(*scene_, space, space.box.center() + glm::dvec3(tile.view_offset) * space.side_m, tile, settings_.display);
   certify_seconds += thread_seconds() - start;
   const double target = settings_.targets.coding_psnr_db > 0 ? mse_of_psnr(settings_.targets.coding_psnr_db) : kMostError;
-  int quality = quality_of(tile.id);
+  const bool may_refine = settings_.rate.cell_bytes <= 0;  // else the budget goes first
+  int quality = first_quality;
   for (;;) {
     CodedSamples decoded;
     Result<Bytes> encoded = encode_tile(tile, {quality}, &accounting, &decoded);
     if (!encoded) return encoded;
     const double encoded_at = thread_seconds();
     const bool misses = coding_error(tile, decoded) > target;
-    if (misses && quality < kFinestQuality) {
-      refined_ += quality == quality_of(tile.id);
+    if (misses && may_refine && quality < kFinestQuality) {
+      refined_ += quality == first_quality;
       quality = std::min(kFinestQuality, quality + kQualityStep);
       continue;
     }
@@ -186,7 +202,7 @@ Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, con
   const double start = thread_seconds();
   TileWork work;
   auto result = std::make_shared<EncodedTile>();
-  const Result<Tile> tile = cast_counted(id, cancel, work, result->skips);
+  Result<Tile> tile = cast_counted(id, cancel, work, result->skips);
   if (!tile) return tl::unexpected(tile.error());
   result->rays = static_cast<std::uint32_t>(work.rays);
   result->intra_seconds = id.view == kIntraView ? work.intra_seconds : 0;
@@ -196,7 +212,9 @@ Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, con
     result->bytes = std::make_shared<const Bytes>();
   } else {
     TileBytes bytes;
-    Result<Bytes> encoded = encode_certified(*tile, bytes, result->certify_seconds);
+    const Result<int> quality = steer(*tile, cancel);
+    if (!quality) return tl::unexpected(quality.error());
+    Result<Bytes> encoded = encode_certified(*tile, *quality, bytes, result->certify_seconds);
     if (!encoded) return tl::unexpected(encoded.error());
     result->hash = hash_bytes(*encoded);
     result->bytes = std::make_shared<const Bytes>(std::move(*encoded));
@@ -226,8 +244,17 @@ ImpostorSources make_impostor_sources(std::shared_ptr<const Scene> scene, const 
   ImpostorSources sources;
   sources.tree = std::make_shared<CellTree>(scene, shells, settings.near_triangles);
   sources.views = std::make_shared<ViewCatalogue>(scene, sources.tree, shells, settings);
+  std::shared_ptr<RateControl> rates;
+  if (settings.rate.is_set()) {
+    const auto sampler = std::make_shared<TileMaker>(scene, sources.tree, sources.views, shells, settings);
+    rates = std::make_shared<RateControl>(scene, sources.tree, sources.views, shells, settings, [sampler](const TileId& id, const CancelFlag& cancel) {
+      TileWork work;
+      return sampler->cast(id, cancel, work);
+    });
+    sources.views = rates;
+  }
   sources.leaves = std::make_shared<LeafPlanner>(scene, sources.tree, sources.views, shells, settings);
-  sources.tiles = std::make_shared<TileMaker>(scene, sources.tree, sources.views, shells, settings);
+  sources.tiles = std::make_shared<TileMaker>(scene, sources.tree, sources.views, shells, settings, rates);
   return sources;
 }
 

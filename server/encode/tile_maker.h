@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "common/codec/tile_codec.h"
+#include "server/encode/rate_control.h"
 #include "server/encode/tile_source.h"
 #include "server/impostor/delta_tile.h"
 #include "server/impostor/leaf_planner.h"
@@ -16,8 +17,8 @@ namespace farfield {
 
 class TileMaker : public TileSource {
  public:
-  TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue, const NestedShells& shells,
-            const ImpostorSettings& settings);
+  TileMaker(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewSource> views, const NestedShells& shells,
+            const ImpostorSettings& settings, std::shared_ptr<RateControl> rates = nullptr);
 
   Result<std::shared_ptr<const EncodedTile>> make(const TileId& id, const CancelFlag& cancel) override;
 
@@ -31,13 +32,16 @@ class TileMaker : public TileSource {
 
  private:
   /// The tile's bytes, its certificate among them; coded finer where its target asks for it. Fallback views have neither.
-  Result<Bytes> encode_certified(const Tile& tile, TileBytes& accounting, double& certify_seconds);
+  Result<Bytes> encode_certified(const Tile& tile, int quality, TileBytes& accounting, double& certify_seconds);
 
   const std::shared_ptr<const Scene> scene_;
-  const std::shared_ptr<ViewCatalogue> catalogue_;
+  const std::shared_ptr<ViewSource> views_;
   const NestedShells shells_;
   const ImpostorSettings settings_;
+  const std::shared_ptr<RateControl> rates_;  // null: fixed quality
   int quality_of(const TileId& id) const;
+  /// The colour quality of a tile that covers something; its tolerance of disparity is set to the cell's.
+  Result<int> steer(Tile& tile, const CancelFlag& cancel) const;
   Result<Tile> cast_counted(const TileId& id, const CancelFlag& cancel, TileWork& work, TileSkips& skips);
   Result<std::shared_ptr<const VisibleBlocks>> visible_blocks(const CellSpace& space, const glm::dvec3& position, int view,
                                                               const CancelFlag& cancel);
@@ -60,7 +64,7 @@ class TileMaker : public TileSource {
 /// A leaf source and a tile source that share the tree and the views of one scene.
 struct ImpostorSources {
   std::shared_ptr<CellTree> tree;
-  std::shared_ptr<ViewCatalogue> views;
+  std::shared_ptr<ViewSource> views;
   std::shared_ptr<LeafPlanner> leaves;
   std::shared_ptr<TileMaker> tiles;
 };

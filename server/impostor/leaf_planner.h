@@ -6,13 +6,13 @@
 #include <mutex>
 
 #include "server/cells/cell_tree.h"
-#include "server/impostor/view_catalogue.h"
+#include "server/impostor/view_source.h"
 
 namespace farfield {
 
 class LeafPlanner : public LeafSource {
  public:
-  LeafPlanner(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewCatalogue> catalogue,
+  LeafPlanner(std::shared_ptr<const Scene> scene, std::shared_ptr<CellTree> tree, std::shared_ptr<ViewSource> views,
               const NestedShells& shells, const ImpostorSettings& settings);
 
   Result<CellId> leaf_at(const glm::dvec3& viewpoint, const CancelFlag& cancel) override;
@@ -30,7 +30,7 @@ class LeafPlanner : public LeafSource {
 
   const std::shared_ptr<const Scene> scene_;
   const std::shared_ptr<CellTree> tree_;
-  const std::shared_ptr<ViewCatalogue> catalogue_;
+  const std::shared_ptr<ViewSource> views_;
   const NestedShells shells_;
   const ImpostorSettings settings_;
   mutable std::mutex mutex_;  // guards skipped_

@@ -52,6 +52,7 @@ void VoidCount::store_in(Certificate& certificate) const {
 VoidCount count_voids(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, double slack, int round,
                       const std::atomic<bool>* cancel) {
   VoidCount count;
+  count.left.resize(views.size());
   RandomStream random(0x766f6964, space.cell.level, space.cell.x, space.cell.y, space.cell.z, round);
   for (int tries = 0, stood = 0; tries < kTries && stood < kViewpoints; ++tries) {
     if (cancel && cancel->load()) return {};
@@ -60,7 +61,11 @@ VoidCount count_voids(const Scene& scene, const CellSpace& space, const std::vec
     if (!is_free(scene, viewpoint)) continue;
     ++stood;
     std::vector<SeenPoint> open = seen_from(scene, space, viewpoint, random);
-    for (const glm::dvec3& view : views) drop_held(scene, space, slack, PointSpacing::kSparse, view, open, [](const SeenPoint&) {});
+    for (std::size_t view = 0; view < views.size(); ++view) {
+      drop_held(scene, space, slack, PointSpacing::kSparse, views[view], open, [](const SeenPoint&) {});
+      const auto left = static_cast<std::uint32_t>(open.size());
+      count.left[view].hits += left, count.left[view].worst_hits = std::max(count.left[view].worst_hits, left);
+    }
     constexpr std::uint32_t kRays = kCubeFaces * kEdge * kEdge;
     const auto hits = static_cast<std::uint32_t>(open.size());
     count.rays += kRays, count.hits += hits;

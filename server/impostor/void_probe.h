@@ -15,9 +15,14 @@
 namespace farfield {
 
 struct VoidCount {
+  /// The same counts had the views ended earlier.
+  struct Left {
+    std::uint32_t hits = 0, worst_hits = 0;
+  };
   std::uint32_t rays = 0, hits = 0;              // all viewpoints
   std::uint32_t worst_rays = 0, worst_hits = 0;  // the one that sees most voids
   glm::dvec3 worst{0};                           // where it stands, scene frame
+  std::vector<Left> left;                        // after the first view, the first two, …: the last is what is counted above
 
   void store_in(Certificate& certificate) const;
 };

@@ -228,6 +228,8 @@ FarfieldSettings with_knobs(const World& world, const std::string& renderer, con
   s.display = world.options.display;
   s.colour_quality = knobs.whole("quality"), s.tau_px = knobs["tau"], s.face_tiles = knobs.whole("face-tiles");
   s.delta_views = knobs.whole("delta-views"), s.void_target = knobs["void-target"];
+  s.has_one_slope = knobs.whole("one-slope") != 0;
+  s.rate.cell_bytes = knobs["cell-bytes"], s.rate.psnr_db = knobs["target-psnr"];
   return wanted;
 }
 
@@ -242,6 +244,9 @@ Method farfield_method(const std::string& renderer, const BenchOptions& defaults
            {"face-tiles", double(s.face_tiles), "tiles along a face's edge: the sample rate", 1, 64, true},
            {"delta-views", double(s.delta_views), "delta views per cell, at most", 0, 32, true},
            {"void-target", s.void_target, "share of the sphere below which voids get no further delta view", 0, 1},
+           {.name = "one-slope", .default_value = s.has_one_slope ? 1.0 : 0.0, .description = "1: a byte of colour buys the same error as seen in every tile", .choices = {0, 1}},
+           {"cell-bytes", s.rate.cell_bytes, "bytes of a cell's own impostor as one leaf needs it; 0: no budget", 0, 1e9},
+           {"target-psnr", s.rate.psnr_db, "what coding may leave of a cell's colours, decibels; 0: no target", 0, 60},
            {.name = "client-samples", .default_value = double(defaults.client_samples), .description = "samples per pixel of the client; 0: its choice", .choices = {0, 1, 4}}},
           [renderer](const World& world, const KnobValues& knobs) { return run_farfield(world, with_knobs(world, renderer, knobs)); },
           true, true};

@@ -62,7 +62,8 @@ bool parse_shared(std::vector<const char*> arguments, ImpostorSettings& settings
 TEST(SharedOptions, ReachTheSettings) {
   ImpostorSettings settings;
   LoadOptions load;
-  ASSERT_TRUE(parse_shared({"--tau", "0.25", "--face-tiles", "12", "--quality", "70", "--delta-views", "0", "--void-target", "0.001",
+  ASSERT_TRUE(parse_shared({"--tau", "0.25", "--face-tiles", "12", "--quality", "70", "--delta-views", "0", "--void-target", "0.001", "--one-slope",
+                            "--cell-bytes", "300000", "--target-psnr", "37.5", "--certified-void", "0.01", "--certified-psnr", "0",
                             "--near-triangles", "5000", "--finest-side", "2", "--units", "0.001", "--up", "z", "--shift", "-84900,0,4.5",
                             "--memory-gb", "2"}, settings, load));
   EXPECT_EQ(settings.tau_px, 0.25);
@@ -70,6 +71,11 @@ TEST(SharedOptions, ReachTheSettings) {
   EXPECT_EQ(settings.colour_quality, 70);
   EXPECT_EQ(settings.delta_views, 0);
   EXPECT_EQ(settings.void_target, 0.001);
+  EXPECT_TRUE(settings.has_one_slope);
+  EXPECT_EQ(settings.rate.cell_bytes, 300000);
+  EXPECT_EQ(settings.rate.psnr_db, 37.5);
+  EXPECT_EQ(settings.targets.void_share, 0.01);
+  EXPECT_EQ(settings.targets.coding_psnr_db, 0);
   EXPECT_EQ(settings.near_triangles, 5000u);
   EXPECT_EQ(settings.finest_side_m, 2);
   EXPECT_EQ(load.metres_per_unit, 0.001);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "server/impostor/view_catalogue.h"
 #include "tests/unit/server/impostor/block_scenes.h"
 
 namespace farfield {

@@ -31,6 +31,11 @@ TEST(VoidProbe, CountsTheWallBehindAPillarAndLessOfItWithMoreViews) {
   EXPECT_GT(std::abs(worst.z), 0.2) << "it stands to the side, from where one looks past the pillar";
   const VoidCount three = count(placed, {glm::dvec3(0), {0, 0, -0.48}, {0, 0, 0.48}});
   EXPECT_LT(three.hits, one.hits / 4);
+  ASSERT_EQ(three.left.size(), 3u) << "the counts had the views ended earlier";
+  EXPECT_EQ(three.left[0].hits, one.hits);
+  EXPECT_EQ(three.left[0].worst_hits, one.worst_hits);
+  EXPECT_EQ(three.left[2].hits, three.hits);
+  EXPECT_EQ(three.left[2].worst_hits, three.worst_hits);
 }
 
 TEST(VoidProbe, RoundsAreIndependentAndEachIsReproducible) {
