@@ -30,15 +30,12 @@ struct Parts {
   SceneDescription scene;
 };
 
-Status choose_renderer(Parts& parts) {
+void choose_renderer(Parts& parts) {
+  if (parts.options.renderer == RendererChoice::kCpu) return;  // which knows no OpenGL, and must not pay for its libraries
   const Result<std::unique_ptr<GlContext>> context = GlContext::create_surfaceless();
-  // Only who leaves the choice to us needs this context: a window brings its own.
-  if (!context && parts.options.renderer == RendererChoice::kAuto) return tl::unexpected(context.error());
   parts.is_software = context && (*context)->abilities().is_software;
-  const bool is_cpu = parts.options.renderer == RendererChoice::kCpu ||
-                      (parts.options.renderer == RendererChoice::kAuto && parts.is_software);
+  const bool is_cpu = parts.options.renderer == RendererChoice::kAuto && (!context || parts.is_software);
   parts.renderer = is_cpu ? Renderer::kCpu : Renderer::kGl;
-  return {};
 }
 
 FrameOptions frame_options(const Parts& parts) {
@@ -166,7 +163,7 @@ Result<RunReport> walk(Parts& parts) {
   }
   Result<std::optional<Trace>> trace = load_trace(parts.options);
   if (!trace) return tl::unexpected(trace.error());
-  if (Status status = choose_renderer(parts); !status) return tl::unexpected(status.error());
+  choose_renderer(parts);
   if (Status status = connect(parts); !status) return tl::unexpected(status.error());
   if (!parts.options.is_quiet) {
     complain(parts.talk, "farfield-client", fmt::format("{} at {}, {} triangles", parts.scene.name,

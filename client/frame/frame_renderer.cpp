@@ -8,6 +8,7 @@
 
 #include "client/frame/resolve_gl_frame.h"
 #include "client/gl/framebuffer.h"
+#include "client/near_cpu/near_raster.h"
 #include "client/warp/cpu_warper.h"
 
 namespace farfield::client {
@@ -29,17 +30,20 @@ class Lap {
   Clock::time_point last_ = Clock::now();
 };
 
-/// Close enough that nobody gets their nose behind it: a thousandth of the cell. Without clip control the depth
-/// buffer resolves 2⁻²⁴ of 1/near_plane, so the plane moves out to keep far shells apart.
-double near_plane_of(const LeafView& leaf, const GlAbilities& abilities) {
-  return leaf.leaf_box.extent().x * (abilities.has_clip_control ? 1e-3 : 1e-2);
+/// Close enough that nobody gets their nose behind it: a thousandth of the cell. A depth buffer that is not exact at a distance
+/// resolves 2⁻²⁴ of 1/near_plane, so the plane moves out to keep far shells apart.
+double near_plane_of(const LeafView& leaf, bool is_exact_at_distance) {
+  return leaf.leaf_box.extent().x * (is_exact_at_distance ? 1e-3 : 1e-2);
 }
 
-/// 4 samples per pixel on the CPU: near geometry is drawn at twice the size.
-Display near_display(Renderer renderer, const Display& display, int samples) {
-  if (renderer == Renderer::kGl || samples == 1) return display;
+/// Pixels of the CPU warper: its 2×2 samples are so many.
+Display warped_display(const Display& display, int samples) {
+  if (samples == 1) return display;
   return {2 * display.width, 2 * display.height, display.fovy_rad};
 }
+
+/// Of the CPU's frames: keys of the largest take 2 GB.
+constexpr int kMaxFrameEdge = 16384;
 
 }  // namespace
 
@@ -50,12 +54,13 @@ struct FrameRenderer::State {
   std::unique_ptr<GlContext> own_context;  // destroyed last
   GlAbilities abilities;
   Framebuffer target;
-  std::unique_ptr<NearRenderer> near;
-  std::unique_ptr<ImpostorRenderer> impostors;  // kGl
-  std::unique_ptr<CpuWarper> warper;            // kCpu
-  std::vector<std::uint8_t> colour;             // read back
+  std::unique_ptr<NearRenderer> near;  // kGl, and the context, the target and all until the warper
+  std::unique_ptr<ImpostorRenderer> impostors;
+  std::vector<std::uint8_t> colour;    // read back
   std::vector<float> depth;
   std::shared_ptr<const LeafView> drawn;
+  std::unique_ptr<CpuWarper> warper;   // kCpu
+  std::unique_ptr<NearRaster> raster;
 
   Status make_target(const Display& size);
   void render_cpu(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report);
@@ -63,9 +68,13 @@ struct FrameRenderer::State {
 };
 
 Status FrameRenderer::State::make_target(const Display& size) {
-  const Display drawn_size = near_display(renderer, size, options.samples_per_pixel);
-  const int samples = renderer == Renderer::kGl ? options.samples_per_pixel : 1;
-  Result<Framebuffer> made = Framebuffer::create(abilities, drawn_size.width, drawn_size.height, samples);
+  if (renderer == Renderer::kCpu) {
+    if (std::min(size.width, size.height) < 1 || std::max(size.width, size.height) > kMaxFrameEdge)
+      return fail(ErrorCode::kLimitExceeded, "frame of {} x {} pixels: 1 to {} are possible along an edge", size.width, size.height, kMaxFrameEdge);
+    display = size;
+    return {};
+  }
+  Result<Framebuffer> made = Framebuffer::create(abilities, size.width, size.height, options.samples_per_pixel);
   if (!made) return tl::unexpected<Error>(made.error());
   target = std::move(*made);
   display = size;
@@ -74,43 +83,17 @@ Status FrameRenderer::State::make_target(const Display& size) {
 
 void FrameRenderer::State::render_cpu(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report) {
   Lap lap;
-  if (leaf.chunks.empty()) {
-    warper->draw(leaf, eye, display, nullptr, frame);
-    report.times.impostors_ms = lap();
-    return;
-  }
-  const double near_plane = near_plane_of(leaf, abilities);
-  target.begin();
-  report.near =
-      near->draw(leaf, ViewTransform::of(near_display(renderer, display, options.samples_per_pixel), eye, near_plane));
-  const auto read_near = [&] {
-    glFinish();
-    report.times.near_ms += lap();
-    const std::size_t pixels = static_cast<std::size_t>(target.width()) * static_cast<std::size_t>(target.height());
-    colour.resize(4 * pixels);
-    depth.resize(pixels);
-    target.read_colour(colour);
-    target.read_depth(depth);
-    report.times.read_back_ms = lap();
-    return NearLayer{target.width(), target.height(), colour, depth, static_cast<float>(1.0 / near_plane)};
-  };
-  if (abilities.is_software) {  // both would only take each other's cores and caches
-    const NearLayer near_layer = read_near();
-    warper->draw(leaf, eye, display, &near_layer, frame);
-  } else {  // a GPU draws while the impostors are warped
-    glFlush();
+  if (!leaf.chunks.empty()) {
+    report.near = raster->begin(leaf, eye, warped_display(display, options.samples_per_pixel), near_plane_of(leaf, true));
     report.times.near_ms = lap();
-    warper->scatter(leaf, eye, display, nullptr);
-    report.times.impostors_ms = lap();
-    const NearLayer near_layer = read_near();
-    warper->finish(&near_layer, frame);
   }
-  report.times.impostors_ms += lap();
+  warper->draw(leaf, eye, display, leaf.chunks.empty() ? nullptr : raster.get(), frame);
+  report.times.impostors_ms = lap();
 }
 
 void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report) {
   Lap lap;
-  const double near_plane = near_plane_of(leaf, abilities);
+  const double near_plane = near_plane_of(leaf, abilities.has_clip_control);
   const ViewTransform view = ViewTransform::of(display, eye, near_plane);
   target.begin();
   report.near = near->draw(leaf, view);
@@ -159,6 +142,12 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, 
   result->state_ = std::make_unique<State>();
   State& s = *result->state_;
   s.renderer = renderer, s.options = chosen;
+  if (renderer == Renderer::kCpu) {
+    if (Status made = s.make_target(display); !made) return tl::unexpected<Error>(made.error());
+    s.warper = std::make_unique<CpuWarper>(CpuWarperOptions{chosen.samples_per_pixel, options.cpu_threads});
+    s.raster = std::make_unique<NearRaster>(options.near);
+    return result;
+  }
   if (!context) {
     Result<std::unique_ptr<GlContext>> own = GlContext::create_surfaceless();
     if (!own) return tl::unexpected<Error>(own.error());
@@ -170,13 +159,9 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, 
   Result<std::unique_ptr<NearRenderer>> near = NearRenderer::create(s.abilities, options.near);
   if (!near) return tl::unexpected<Error>(near.error());
   s.near = std::move(*near);
-  if (renderer == Renderer::kGl) {
-    Result<std::unique_ptr<ImpostorRenderer>> impostors = ImpostorRenderer::create(s.abilities, options.impostors);
-    if (!impostors) return tl::unexpected<Error>(impostors.error());
-    s.impostors = std::move(*impostors);
-  } else {
-    s.warper = std::make_unique<CpuWarper>(CpuWarperOptions{chosen.samples_per_pixel, options.cpu_threads});
-  }
+  Result<std::unique_ptr<ImpostorRenderer>> impostors = ImpostorRenderer::create(s.abilities, options.impostors);
+  if (!impostors) return tl::unexpected<Error>(impostors.error());
+  s.impostors = std::move(*impostors);
   return result;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a leaf set and a pose to a finished image: near geometry by OpenGL, impostors by OpenGL or on the CPU, merged by
+// From a leaf set and a pose to a finished image: near geometry and impostors, both by OpenGL or both on the CPU, merged by
 // depth, cracks and voids filled. What the window, the headless client and the benchmark all call.
 //
-// Belongs to one thread, the one that created it: it owns (or uses) a GL context that is current there.
+// Belongs to one thread, the one that created it: with OpenGL it owns (or uses) a context that is current there.
 #pragma once
 
 #include <limits>
@@ -19,8 +19,8 @@
 namespace farfield::client {
 
 enum class Renderer {
-  kCpu,  // impostors as splats on the CPU: fastest without a GPU
-  kGl,   // impostors as depth meshes on the GPU
+  kCpu,  // triangles and splats on the CPU, without any OpenGL: fastest without a GPU
+  kGl,   // triangles and depth meshes on the GPU
 };
 
 struct FrameOptions {
@@ -43,9 +43,9 @@ std::size_t store_bytes(std::size_t memory_bytes, Renderer renderer, bool is_sof
 
 /// Milliseconds by part; each part ends with its results in memory.
 struct FrameTimes {
-  double near_ms = 0;       // upload and draw near geometry (kCpu: without what overlaps with the impostors)
-  double impostors_ms = 0;  // upload and draw impostors (kCpu: with cracks and voids)
-  double read_back_ms = 0;
+  double near_ms = 0;       // upload and draw near geometry (kCpu: find what is in view)
+  double impostors_ms = 0;  // upload and draw impostors (kCpu: draw all, with cracks and voids)
+  double read_back_ms = 0;  // kGl
   double resolve_ms = 0;  // kGl: classes, cracks, voids
   double total_ms = 0;    // from the pose to the finished image
 };
@@ -60,7 +60,7 @@ struct FrameReport {
 
 class FrameRenderer {
  public:
-  /// `context`: null makes a surfaceless one; otherwise current on this thread and outliving the renderer.
+  /// `context`, of kGl: null makes a surfaceless one; otherwise current on this thread and outliving the renderer.
   /// Errors: kUnavailable (no OpenGL), kInvalidArgument (samples), kLimitExceeded (display size).
   static Result<std::unique_ptr<FrameRenderer>> create(Renderer renderer, const Display& display,
                                                        const FrameOptions& options = {}, GlContext* context = nullptr);
@@ -76,7 +76,7 @@ class FrameRenderer {
   FramePromise promise(const LeafView& leaf, const Pose& eye) const;
 
   const Display& display() const;
-  const GlAbilities& abilities() const;
+  const GlAbilities& abilities() const;  // of kGl
 
  private:
   FrameRenderer();

@@ -3,10 +3,9 @@
 
 #include <epoxy/gl.h>
 
-#include <algorithm>
 #include <list>
 
-#include "client/near/near_batches.h"
+#include "client/near/chunks_in_view.h"
 #include "client/near/surface_program.h"
 #include "client/near/texture_cache.h"
 
@@ -23,19 +22,6 @@ struct PreparedLeaf {
   std::size_t bytes = 0;
 };
 
-/// What of a batch a frame draws.
-struct BatchInView {
-  const NearBatch* batch = nullptr;
-  std::size_t first_index = 0, index_count = 0;
-  double distance = 0;  // squared, of its nearest chunk
-};
-
-AffineBox in_camera(const SurfaceBounds& bounds, const glm::dvec3& eye_from_centre, const glm::dmat3& rotation) {
-  const glm::dvec3 half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
-  return {rotation * (0.5 * (glm::dvec3(bounds.max) + glm::dvec3(bounds.min)) - eye_from_centre),
-          glm::dmat3(rotation[0] * half.x, rotation[1] * half.y, rotation[2] * half.z)};
-}
-
 }  // namespace
 
 struct NearRenderer::State {
@@ -51,9 +37,7 @@ struct NearRenderer::State {
   TextureCache textures;
   Buffer stream = Buffer::make(1 << 16, true);  // this frame's indices
   std::list<PreparedLeaf> prepared;             // most recently drawn first
-  std::vector<std::uint32_t> frame_indices;
-  std::vector<std::pair<double, const MergedChunk*>> chunks_in_view;  // of one batch, squared distance
-  std::vector<BatchInView> in_view;
+  ChunksInView in_view;
 
   PreparedLeaf& prepare(const LeafView& leaf, NearStatistics& statistics);
   void forget_beyond_budget();
@@ -110,35 +94,13 @@ NearStatistics NearRenderer::draw(const LeafView& leaf, const ViewTransform& vie
   begin_scene_drawing(s.abilities);
   s.programs.begin_frame(view, centre, DepthConvention::of(s.abilities));
 
-  // Nearest first: most of what lies behind fails the depth test before its fragments are looked at.
-  s.frame_indices.clear();
-  s.in_view.clear();
-  for (const NearBatch& batch : prepared.batches) {
-    s.chunks_in_view.clear();
-    for (const MergedChunk& chunk : batch.chunks) {
-      statistics.triangles_held += chunk.index_count / 3;
-      const AffineBox box = in_camera(chunk.bounds, view.eye - centre, view.camera_from_scene);
-      if (view.may_see(box)) s.chunks_in_view.push_back({glm::dot(box.centre, box.centre), &chunk});
-    }
-    if (s.chunks_in_view.empty()) continue;
-    std::sort(s.chunks_in_view.begin(), s.chunks_in_view.end(),
-              [](const auto& a, const auto& b) { return a.first < b.first; });
-    const std::size_t begin = s.frame_indices.size();
-    for (const auto& [distance, chunk] : s.chunks_in_view) {
-      const auto first = prepared.indices.begin() + chunk->first_index;
-      s.frame_indices.insert(s.frame_indices.end(), first, first + chunk->index_count);
-    }
-    statistics.chunks_drawn += static_cast<std::uint32_t>(s.chunks_in_view.size());
-    s.in_view.push_back({&batch, begin, s.frame_indices.size() - begin, s.chunks_in_view.front().first});
-  }
-  std::sort(s.in_view.begin(), s.in_view.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
-  s.stream.rewrite(std::as_bytes(std::span(s.frame_indices)));
-  statistics.triangles = s.frame_indices.size() / 3;
+  s.in_view.find(prepared.batches, prepared.indices, centre, view, statistics);
+  s.stream.rewrite(std::as_bytes(std::span(s.in_view.indices)));
 
   glBindVertexArray(prepared.array.name());
   glActiveTexture(GL_TEXTURE0);
   glDepthFunc(GL_GEQUAL);  // of surfaces in one plane the one drawn last shows: nearer to what rays find
-  for (const BatchInView& in_view : s.in_view) {
+  for (const BatchInView& in_view : s.in_view.batches) {
     const NearBatch& batch = *in_view.batch;
     const auto& texture = leaf.chunks[batch.placed_chunk].texture;
     const GlName name = texture ? s.textures.use(*texture) : 0;

@@ -11,6 +11,7 @@
 
 #include "client/gl/gl_context.h"
 #include "client/gl/view_transform.h"
+#include "client/near/chunks_in_view.h"
 #include "client/store/leaf_view.h"
 
 namespace farfield::client {
@@ -19,13 +20,6 @@ struct NearOptions {
   std::size_t geometry_budget_bytes = 64u << 20;  // merged leaf sets kept for coming back; the drawn one always is
   std::size_t texture_budget_bytes = 512u << 20;
   std::size_t frame_upload_bytes = 16u << 20;  // of textures
-};
-
-struct NearStatistics {
-  std::uint64_t triangles = 0;       // sent to the GPU after culling
-  std::uint64_t triangles_held = 0;  // of the leaf set
-  std::uint32_t draw_calls = 0, chunks_drawn = 0;
-  std::uint64_t uploaded_bytes = 0;  // new geometry and textures of this frame
 };
 
 class NearRenderer {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
-#include <cstring>
 
 #include "client/warp/average_samples.h"
 #include "client/warp/close_cracks.h"
@@ -31,32 +30,6 @@ struct TileJob {
   TileFootprint footprint;
 };
 
-/// Merges the near layer into rows of the key buffer; `is_first`: nothing is there yet.
-template <bool is_first>
-void merge_near(const NearLayer& near, const Display& display, int first_row, int last_row, std::uint64_t* keys) {
-  const int width = display.width, scale = width / near.width;  // frame pixels per layer pixel
-  assert(near.width * scale == width && near.height * scale == display.height);
-  const auto stride = static_cast<std::size_t>(width), columns = static_cast<std::size_t>(near.width);
-  std::vector<std::uint32_t> colours(columns);  // byte arrays may not be read as words
-  std::vector<std::uint64_t> layer(columns);
-  const float disparity_scale = near.disparity_scale;
-  for (int y = first_row; y < last_row; ++y) {
-    const std::size_t from = static_cast<std::size_t>(y / scale) * columns;
-    std::memcpy(colours.data(), &near.rgba[4 * from], 4 * columns);
-    const float* __restrict disparities = &near.disparity[from];
-    for (std::size_t x = 0; x < columns; ++x) {
-      const float disparity = disparities[x] * disparity_scale;
-      layer[x] = disparity > 0 ? near_key(disparity, colours[x]) : kNoSplat;
-    }
-    std::uint64_t* __restrict row = keys + y * stride;
-    if (scale == 1) {
-      for (std::size_t x = 0; x < stride; ++x) row[x] = is_first || row[x] < layer[x] ? layer[x] : row[x];
-    } else {
-      for (int x = 0; x < width; ++x) row[x] = std::max(is_first ? kNoSplat : row[x], layer[static_cast<std::size_t>(x / scale)]);
-    }
-  }
-}
-
 void begin_frame(Frame& frame, int width, int height) {
   frame.width = width;
   frame.height = height;
@@ -72,9 +45,9 @@ struct CpuWarper::State {
   explicit State(const CpuWarperOptions& chosen)
       : options(chosen), arena(chosen.threads > 0 ? chosen.threads : tbb::task_arena::automatic) {}
 
-  void scatter(const LeafView& leaf, const Pose& eye, const Display& shown, const NearLayer* near);
-  void finish(const NearLayer* near, Frame& frame);
-  void resolve(const NearLayer* near, Frame& frame);
+  void scatter(const LeafView& leaf, const Pose& eye, const Display& shown, const NearRows* near);
+  void finish(Frame& frame);
+  void resolve(Frame& frame);
   void find_jobs(const LeafView& leaf, const Pose& eye);
   template <class F>
   void for_each_band(int width, int height, F&& f);
@@ -118,7 +91,7 @@ void CpuWarper::State::find_jobs(const LeafView& leaf, const Pose& eye) {
   }
 }
 
-void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Display& shown, const NearLayer* near) {
+void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Display& shown, const NearRows* near) {
   display = shown;
   if (options.samples_per_pixel == 4) display.width *= 2, display.height *= 2;
   find_jobs(leaf, eye);
@@ -129,7 +102,7 @@ void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Disp
   keys.resize(stride * static_cast<std::size_t>(display.height));
   for_each_band(display.width, display.height, [&](int first_row, int last_row) {
     if (near) {
-      merge_near<true>(*near, display, first_row, last_row, keys.data());
+      near->draw_rows(display, first_row, last_row, keys.data());
     } else {
       std::fill(keys.data() + first_row * stride, keys.data() + last_row * stride, kNoSplat);
     }
@@ -146,14 +119,9 @@ void CpuWarper::State::scatter(const LeafView& leaf, const Pose& eye, const Disp
   });
 }
 
-void CpuWarper::State::resolve(const NearLayer* near, Frame& frame) {
+void CpuWarper::State::resolve(Frame& frame) {
   begin_frame(frame, display.width, display.height);
   frame.statistics = statistics;
-  if (near) {
-    for_each_band(frame.width, frame.height, [&](int first_row, int last_row) {
-      merge_near<false>(*near, display, first_row, last_row, keys.data());
-    });
-  }
   std::atomic<std::uint64_t> cracks{0}, uncovered{0};
   for_each_band(frame.width, frame.height, [&](int first_row, int last_row) {
     const ResolveCounts counts = resolve_rows(keys.data(), first_row, last_row, background, frame);
@@ -166,13 +134,13 @@ void CpuWarper::State::resolve(const NearLayer* near, Frame& frame) {
   frame.statistics.background_pixels = uncovered - frame.statistics.void_pixels;
 }
 
-void CpuWarper::State::finish(const NearLayer* near, Frame& frame) {
+void CpuWarper::State::finish(Frame& frame) {
   if (options.samples_per_pixel != 4) {
-    resolve(near, frame);
+    resolve(frame);
     if (options.smooth_edges) edges.smooth(frame);
     return;
   }
-  resolve(near, fine);
+  resolve(fine);
   frame.statistics = fine.statistics;
   average_samples(fine, frame);
 }
@@ -182,19 +150,12 @@ CpuWarper::CpuWarper(const CpuWarperOptions& options) : state_(std::make_unique<
 }
 CpuWarper::~CpuWarper() = default;
 
-void CpuWarper::scatter(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near) {
+void CpuWarper::draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearRows* near, Frame& frame) {
   assert(display.width > 0 && display.height > 0);
-  state_->arena.execute([&] { state_->scatter(leaf, eye, display, near); });
-}
-
-void CpuWarper::finish(const NearLayer* near, Frame& frame) {
-  state_->arena.execute([&] { state_->finish(near, frame); });
-}
-
-void CpuWarper::draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near,
-                     Frame& frame) {
-  scatter(leaf, eye, display, near);
-  finish(nullptr, frame);
+  state_->arena.execute([&] {
+    state_->scatter(leaf, eye, display, near);
+    state_->finish(frame);
+  });
 }
 
 }  // namespace farfield::client

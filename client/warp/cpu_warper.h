@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws impostors on the CPU: splats of all tiles, scattered into a depth-and-colour buffer, with near geometry drawn
-// elsewhere merged by depth. For machines without a GPU, where it is several times faster than OpenGL.
+// Draws impostors on the CPU: splats of all tiles, scattered into a depth-and-colour buffer that near geometry was drawn
+// into. For machines without a GPU, where it is several times faster than OpenGL.
 //
-// A frame: cull tiles and find the rows they reach -> per band of rows, in parallel: clear, merge the near layer if it is
-// there, cull squares of samples, project and scatter -> merge it now if it was not -> close cracks -> fill voids ->
-// smooth edges, or average 2×2 samples. Bands fit in a core's cache and share nothing, so the result does not depend on the
-// number of threads.
+// A frame: cull tiles and find the rows they reach -> per band of rows, in parallel: draw near geometry, cull squares of
+// samples, project and scatter -> close cracks -> fill voids -> smooth edges, or average 2×2 samples. Bands fit in a core's
+// cache and share nothing, so the result does not depend on the number of threads.
 //
 // Based on: McMillan & Bishop 1995; Shade et al. 1998 (splatting layered depth images).
 #pragma once
@@ -14,6 +13,7 @@
 
 #include "client/store/leaf_view.h"
 #include "client/warp/frame_image.h"
+#include "client/warp/near_rows.h"
 #include "client/warp/scatter.h"
 #include "common/math/camera.h"
 
@@ -31,16 +31,9 @@ class CpuWarper {
   explicit CpuWarper(const CpuWarperOptions& options = {});
   ~CpuWarper();
 
-  /// Draws `leaf` as seen from `eye` (scene frame) into the warper's own buffer. `near` may be null, or still be drawn
-  /// elsewhere and given to finish(); known here, it saves drawing what lies behind it. Its size must be the display's,
-  /// or with 4 samples per pixel twice that in both directions. One call at a time. Requires: the display has at least
-  /// one pixel.
-  void scatter(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near);
-  /// Finishes what scatter() began. `near`: null if scatter() had it. `frame` is overwritten; reusing it saves
-  /// allocations.
-  void finish(const NearLayer* near, Frame& frame);
-  /// Both.
-  void draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearLayer* near, Frame& frame);
+  /// Draws `leaf` as seen from `eye` (scene frame). `near`: what lies before it, or null. `frame` is overwritten; reusing it
+  /// saves allocations. One call at a time. Requires: the display has at least one pixel.
+  void draw(const LeafView& leaf, const Pose& eye, const Display& display, const NearRows* near, Frame& frame);
 
  private:
   struct State;

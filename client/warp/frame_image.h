@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace farfield::client {
@@ -36,15 +35,6 @@ struct Frame {
   FrameStatistics statistics;
 
   std::size_t pixels() const { return static_cast<std::size_t>(width) * height; }
-};
-
-/// What the near renderer drew, for depth-wise merging: a view of arrays laid out as in Frame, drawn without
-/// multisampling (its edges would be half nothing), at the frame's size or at the warper's sampling.
-struct NearLayer {
-  int width = 0, height = 0;
-  std::span<const std::uint8_t> rgba;  // alpha is not used: a pixel with disparity above 0 is opaque
-  std::span<const float> disparity;    // times disparity_scale: per metre; 0: nothing was drawn here
-  float disparity_scale = 1;           // 1/near_plane_m for the depth that Framebuffer::read_depth() returns
 };
 
 }  // namespace farfield::client

@@ -10,6 +10,7 @@
 #include "client/frame/promise.h"
 #include "server/visibility/standpoints.h"
 #include "tests/image/leaf_frames.h"
+#include "tests/unit/client/warp/near_layer.h"
 
 namespace farfield {
 namespace {

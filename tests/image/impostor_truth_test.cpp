@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/image/leaf_frames.h"
+#include "tests/unit/client/warp/near_layer.h"
 
 namespace farfield {
 namespace {

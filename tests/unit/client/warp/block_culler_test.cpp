@@ -7,6 +7,7 @@
 
 #include "client/warp/cpu_warper.h"
 #include "client/warp/splat_key.h"
+#include "tests/unit/client/warp/near_layer.h"
 #include "tests/unit/client/warp/warp_scene.h"
 
 namespace farfield::client {

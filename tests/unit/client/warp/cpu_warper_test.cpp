@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "tests/unit/client/warp/near_layer.h"
 #include "tests/unit/client/warp/warp_scene.h"
 
 namespace farfield::client {
@@ -199,13 +200,6 @@ TEST(CpuWarper, NearGeometryMergesByDepth) {
     EXPECT_EQ(coverage(frame, 35, y), Coverage::kImpostor);
     EXPECT_EQ(pixel(frame, 35, y), 0x0000ffu);
   }
-  // Merged afterwards, as beside a GPU that is still drawing it: the same picture.
-  CpuWarper warper;
-  Frame later;
-  warper.scatter(leaf_of({tile}), Pose{}, display, nullptr);
-  warper.finish(&near, later);
-  EXPECT_EQ(later.rgba, frame.rgba);
-  EXPECT_EQ(later.disparity, frame.disparity);
 }
 
 TEST(CpuWarper, AFrontalSurfaceNeverShowsCracks) {
