@@ -103,7 +103,7 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   app.add_option("--fovy", fovy_deg, "Vertical field of view in degrees")->check(number_between(1, 170))->capture_default_str();
   app.add_option("--memory", memory, "Bound on decoded geometry and images in main memory, as in 320MiB")
       ->envname("FARFIELD_MEMORY")
-      ->default_str("352MiB");
+      ->default_str("448MiB");
   app.add_option("--timeout", options.timeout_s, "Seconds to wait for the server, and in lockstep for a leaf set")
       ->check(number_between(0.1, 86400))
       ->capture_default_str();

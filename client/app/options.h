@@ -34,7 +34,7 @@ struct ProgramOptions {
   RendererChoice renderer = RendererChoice::kAuto;
   int samples_per_pixel = 0;  // 0: the renderer's choice
   Display display;
-  std::size_t memory_bytes = std::size_t{352} << 20;
+  std::size_t memory_bytes = std::size_t{448} << 20;
   double timeout_s = 60;                 // for the welcome, and for a leaf set in lockstep
   bool is_json = false;
   bool is_quiet = false;

@@ -20,8 +20,8 @@ struct ClientOptions {
   DecodeForm form = DecodeForm::kBoth;  // each form costs memory and decoding time of its own
   int decode_threads = 2;
   /// Hard cap on decoded payloads. The default leaves room for frame buffers, encoded payloads on their way and the
-  /// heap's own slack below 450 MB of process where it draws on the CPU.
-  std::size_t store_bytes = std::size_t{352} << 20;
+  /// heap's own slack below 600 MB of process.
+  std::size_t store_bytes = std::size_t{448} << 20;
   // Encoded payloads that wait for decoding; beyond it the socket is not read: TCP's back-pressure reaches the server.
   std::size_t decode_queue_bytes = std::size_t{4} << 20;
   bool use_fallback = true;             // ask for the fallback view when nothing usable is on the screen

@@ -32,7 +32,7 @@ TEST(ClientOptions, DefaultsAreAWindowOnThisMachine) {
   EXPECT_TRUE(parsed.options->is_window);
   EXPECT_EQ(parsed.options->server.port, kDefaultPort);
   EXPECT_EQ(parsed.options->display.width, 1280);
-  EXPECT_EQ(parsed.options->memory_bytes, std::size_t{352} << 20);
+  EXPECT_EQ(parsed.options->memory_bytes, std::size_t{448} << 20);
   EXPECT_NEAR(parsed.options->display.fovy_rad, std::numbers::pi / 3, 1e-12);
   EXPECT_TRUE(parsed.options->link.is_none());
 }
