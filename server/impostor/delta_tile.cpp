@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "server/impostor/sharpen_colours.h"
 #include "server/impostor/supersample.h"
 #include "server/impostor/void_finder.h"
 
@@ -221,6 +222,7 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, arrays);
   work.count_colours(tile, arrays);
   tile.disparity = std::move(arrays.disparity);
+  sharpen_colours(tile, arrays.rgb);
   tile.rgb = std::move(arrays.rgb);
   return tile;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/base/thread_clock.h"
+#include "server/impostor/sharpen_colours.h"
 #include "server/impostor/supersample.h"
 
 namespace farfield {
@@ -65,6 +66,7 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
   supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, samples);
   work.count_colours(tile, samples);
   tile.disparity = std::move(samples.disparity);
+  sharpen_colours(tile, samples.rgb);
   tile.rgb = std::move(samples.rgb);
   return tile;
 }
