@@ -3,6 +3,7 @@
 
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "client/frame/resolve_gl_frame.h"
@@ -65,10 +66,26 @@ BaselineDrawn BaselineFrame::draw(const client::LeafView& near, const Pose& eye,
   return drawn;
 }
 
+void BaselineFrame::show(std::span<const MeshPanel> panels, ScanTree tree, const ScanBudget& budget) {
+  panels_.upload(panels);
+  layers_ = nullptr, scans_ = std::move(tree), scan_budget_ = budget;
+}
+
+std::vector<std::uint8_t> BaselineFrame::selected_panels(const client::ViewTransform& view) const {
+  if (scans_.positions.empty() || (scan_budget_.scans == 0 && scan_budget_.triangles == 0)) return {};
+  const std::vector<std::size_t> in_view = panels_.triangles_in_view(view);
+  std::vector<std::size_t> of_scans(scans_.positions.size(), 0);
+  for (std::size_t k = 0; k < in_view.size(); ++k) of_scans[k / kCubeFaces] += in_view[k];
+  std::vector<std::uint8_t> shown(in_view.size(), 0);
+  for (const std::size_t scan : select_scans(scans_, view.eye, scan_budget_, of_scans))
+    std::fill_n(shown.begin() + static_cast<std::ptrdiff_t>(scan * kCubeFaces), kCubeFaces, std::uint8_t{1});
+  return shown;
+}
+
 BaselineDrawn BaselineFrame::draw_panels(const client::LeafView& near, const Pose& eye, const client::ViewTransform& view, client::Frame& frame) {
   BaselineDrawn drawn;
   drawn.triangles = near_->draw(near, view).triangles;
-  drawn.triangles += panels_.draw(view);
+  drawn.triangles += panels_.draw(view, selected_panels(view));
   target_.resolve();
   glFinish();
   target_.read_colour(colour_);

@@ -9,6 +9,7 @@
 #include "client/near/near_renderer.h"
 #include "tests/bench/baselines/layer_painter.h"
 #include "tests/bench/baselines/panel_renderer.h"
+#include "tests/bench/baselines/scan_selection.h"
 
 namespace farfield::bench {
 
@@ -23,7 +24,9 @@ class BaselineFrame {
   static Result<std::unique_ptr<BaselineFrame>> create(const Display& display, int samples_per_pixel);
 
   /// Either of the two; both must outlive their use.
-  void show(std::span<const MeshPanel> panels) { panels_.upload(panels), layers_ = nullptr; }
+  void show(std::span<const MeshPanel> panels) { show(panels, {}, {}); }
+  /// Of a tree of scans, kCubeFaces panels each in the tree's order, what `budget` allows for each frame; an empty tree: all.
+  void show(std::span<const MeshPanel> panels, ScanTree tree, const ScanBudget& budget);
   void show(const LayeredCell& layers) { painter_.set_cell(layers), layers_ = &layers; }
 
   /// `near`: geometry, near region, sky and background.
@@ -32,6 +35,7 @@ class BaselineFrame {
  private:
   BaselineFrame() = default;
   BaselineDrawn draw_panels(const client::LeafView& near, const Pose& eye, const client::ViewTransform& view, client::Frame& frame);
+  std::vector<std::uint8_t> selected_panels(const client::ViewTransform& view) const;
   BaselineDrawn draw_layers(const client::LeafView& near, const Pose& eye, const client::ViewTransform& view, client::Frame& frame);
 
   Display display_;
@@ -39,6 +43,8 @@ class BaselineFrame {
   client::Framebuffer target_;
   std::unique_ptr<client::NearRenderer> near_;
   PanelRenderer panels_;
+  ScanTree scans_;
+  ScanBudget scan_budget_;
   LayerPainter painter_;
   const LayeredCell* layers_ = nullptr;
   std::vector<std::uint8_t> colour_;

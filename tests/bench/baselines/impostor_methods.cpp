@@ -108,7 +108,9 @@ Method ldi9_method(const BenchOptions& options) {
 
 Method itdm_method(const BenchOptions& options) {
   return {"itdm", "incremental textured depth meshes: four corners, planar Voronoi vertices, redundancy removed (Wilson & Manocha 2003)",
-          {face_samples_knob(options), {"void_sr", ViewSearch().void_sr, "solid angle of void at which no more views are taken, steradians", 1e-4, 12}},
+          {face_samples_knob(options), {"void_sr", ViewSearch().void_sr, "solid angle of void at which no more views are taken, steradians", 1e-4, 12},
+           {"scans", 0, "scan cubes drawn at most, nearest first with all they depend on; 0: all", 0, 256, true, {}},
+           {"triangles", 0, "triangles within the view drawn at most, in whole scan cubes; 0: all", 0, 1e9, true, {}}},
           [](const World& world, const KnobValues& knobs) {
             return run_cells(world, "itdm", false, [&](const CellRequest& request) -> Result<MadeCell> {
               const Clock::time_point start = Clock::now();
@@ -117,6 +119,8 @@ Method itdm_method(const BenchOptions& options) {
               const ItdmCell made = make_itdm(request.scene, request.space, request.eye_height, itdm);
               Result<MadeCell> cell = encoded_panels(request, made.panels, start);
               if (!cell) return cell;
+              cell->tree = made.tree;
+              cell->budget = {static_cast<std::size_t>(knobs["scans"]), static_cast<std::size_t>(knobs["triangles"])};
               cell->intra_ms = 1e3 * made.intra_seconds;
               cell->skipped["delta_samples_held"] = static_cast<double>(made.redundant);
               return cell;

@@ -60,7 +60,7 @@ MeshTolerance MeshTolerance::of(const CellSpace& space, const ViewFrame& view, d
   return {disparity_tolerance(offset, kappa, error_px, display), error_px * display.pixel_pitch() / view.pitch};
 }
 
-std::vector<std::size_t> dependency_tree(const std::vector<glm::dvec3>& positions) {
+ScanTree dependency_tree(std::vector<glm::dvec3> positions) {
   const std::size_t count = positions.size();
   glm::dvec3 centroid(0);
   for (const glm::dvec3& p : positions) centroid += p / static_cast<double>(count);
@@ -80,7 +80,7 @@ std::vector<std::size_t> dependency_tree(const std::vector<glm::dvec3>& position
     for (std::size_t k = 0; k < count; ++k)
       if (!is_in[k] && glm::distance(positions[k], positions[best]) < glm::distance(positions[k], positions[parent[k]])) parent[k] = best;
   }
-  return parent;
+  return {std::move(positions), std::move(parent)};
 }
 
 std::vector<std::uint8_t> redundant_samples(const FarFace& face, std::span<const FarView* const> ancestors, double tolerance) {
@@ -103,7 +103,8 @@ ItdmCell make_itdm(const Scene& scene, const CellSpace& space, double eye_height
   ItdmCell cell;
   cell.found = find_views(eye_rectangle(space.box, eye_height), space.side_m, options.search,
                           [&](const glm::dvec3& position) { return cast_far_view(scene, space, position, kSearchEdge); });
-  const std::vector<std::size_t> parents = dependency_tree(cell.found.positions);
+  cell.tree = dependency_tree(cell.found.positions);
+  const std::vector<std::size_t>& parents = cell.tree.parents;
   std::vector<FarView> views;
   for (std::size_t k = 0; k < parents.size(); ++k) {
     const auto start = std::chrono::steady_clock::now();

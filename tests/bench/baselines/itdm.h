@@ -3,8 +3,8 @@
 //
 // Based on: Wilson & Manocha 2003. Viewpoints as in section 3 (view_search.h), skins by its three tests (skins.h), a dependency
 // tree and the removal of redundant points as in section 4.1, meshes and their simplification as in section 4.2
-// (face_mesh.h), all meshes drawn with projective textures (section 4.3.1 with a budget of all scan cubes, which gives the best
-// picture the method has).
+// (face_mesh.h), meshes drawn with projective textures and selected by a budget of scan cubes or triangles as in section 4.3
+// (scan_selection.h); without one, which gives the best picture the method has, all are drawn.
 //
 // Differs, and why:
 // - Samples are ray-cast and as dense as Farfield's (the paper: 512² per face on a display of its time); a knob.
@@ -19,13 +19,14 @@
 #pragma once
 
 #include "tests/bench/baselines/mesh_panel.h"
+#include "tests/bench/baselines/scan_selection.h"
 #include "tests/bench/baselines/view_search.h"
 
 namespace farfield::bench {
 
 /// Section 4.1.1: each sample's parent in the minimum spanning tree of cubed distances; the root, nearest to the centroid
 /// of all, is its own. Ties go to the first.
-std::vector<std::size_t> dependency_tree(const std::vector<glm::dvec3>& positions);
+ScanTree dependency_tree(std::vector<glm::dvec3> positions);
 
 /// Section 4.1.2: 1 for each sample of `face` that lies on a surface some ancestor holds. `tolerance`: 1/side.
 std::vector<std::uint8_t> redundant_samples(const FarFace& face, std::span<const FarView* const> ancestors, double tolerance);
@@ -33,6 +34,7 @@ std::vector<std::uint8_t> redundant_samples(const FarFace& face, std::span<const
 struct ItdmCell {
   std::vector<MeshPanel> panels;  // not encoded yet
   FoundViews found;
+  ScanTree tree;                  // kCubeFaces panels each, in its order
   std::size_t samples = 0, redundant = 0;  // covered samples of delta views, and those left out
   double intra_seconds = 0;                // casting the intra view alone
 };

@@ -121,11 +121,42 @@ PanelRenderer::Held PanelRenderer::hold(const MeshPanel& panel) {
 
 void PanelRenderer::upload(std::span<const MeshPanel> panels) {
   held_.clear();
-  for (const MeshPanel& panel : panels)
-    if (!panel.mesh.indices.empty()) held_.push_back(hold(panel));
+  uploaded_ = panels.size();
+  for (std::size_t k = 0; k < panels.size(); ++k) {
+    if (panels[k].mesh.indices.empty()) continue;
+    held_.push_back(hold(panels[k]));
+    held_.back().panel = k;
+  }
 }
 
-std::size_t PanelRenderer::draw(const client::ViewTransform& view) {
+PanelRenderer::Placed PanelRenderer::place(const Held& held, const client::ViewTransform& view) {
+  glm::dmat3 scene_from_face(0);
+  scene_from_face[0][held.frame.face.u_axis()] = 1, scene_from_face[1][held.frame.face.v_axis()] = 1;
+  scene_from_face[2][held.frame.face.axis] = held.frame.face.sign;
+  return {view.camera_from_scene * scene_from_face, view.camera_from_scene * ((held.frame.position - view.eye) / held.frame.side_m)};
+}
+
+std::vector<PanelRenderer::Run> PanelRenderer::runs_in_view(const Held& held, const Placed& placed, const client::ViewTransform& view) {
+  std::vector<Run> visible;
+  for (const Run& run : held.runs) {
+    const glm::dvec3 middle = 0.5 * (run.low + run.high), half = 0.5 * (run.high - run.low);
+    const client::AffineBox box{placed.camera_from_face * glm::dvec3(middle.x, middle.y, 1) + middle.z * placed.shift,
+                                glm::dmat3(placed.camera_from_face[0] * half.x, placed.camera_from_face[1] * half.y, placed.shift * half.z)};
+    if (!view.may_see(box)) continue;
+    if (!visible.empty() && visible.back().first_index + visible.back().count == run.first_index) visible.back().count += run.count;
+    else visible.push_back(run);
+  }
+  return visible;
+}
+
+std::vector<std::size_t> PanelRenderer::triangles_in_view(const client::ViewTransform& view) const {
+  std::vector<std::size_t> triangles(uploaded_, 0);
+  for (const Held& held : held_)
+    for (const Run& run : runs_in_view(held, place(held, view), view)) triangles[held.panel] += run.count / 3;
+  return triangles;
+}
+
+std::size_t PanelRenderer::draw(const client::ViewTransform& view, std::span<const std::uint8_t> is_shown) {
   client::begin_scene_drawing(abilities_);
   program_.use();
   const client::DepthConvention depth = client::DepthConvention::of(abilities_);
@@ -134,25 +165,15 @@ std::size_t PanelRenderer::draw(const client::ViewTransform& view) {
   glActiveTexture(GL_TEXTURE0);
   std::size_t triangles = 0;
   for (const Held& held : held_) {
-    glm::dmat3 scene_from_face(0);
-    scene_from_face[0][held.frame.face.u_axis()] = 1, scene_from_face[1][held.frame.face.v_axis()] = 1;
-    scene_from_face[2][held.frame.face.axis] = held.frame.face.sign;
-    const glm::dmat3 camera_from_face = view.camera_from_scene * scene_from_face;
-    const glm::dvec3 shift = view.camera_from_scene * ((held.frame.position - view.eye) / held.frame.side_m);
-    std::vector<Run> visible;
-    for (const Run& run : held.runs) {
-      const glm::dvec3 middle = 0.5 * (run.low + run.high), half = 0.5 * (run.high - run.low);
-      const client::AffineBox box{camera_from_face * glm::dvec3(middle.x, middle.y, 1) + middle.z * shift,
-                                  glm::dmat3(camera_from_face[0] * half.x, camera_from_face[1] * half.y, shift * half.z)};
-      if (!view.may_see(box)) continue;
-      triangles += run.count / 3;
-      if (!visible.empty() && visible.back().first_index + visible.back().count == run.first_index) visible.back().count += run.count;
-      else visible.push_back(run);
-    }
+    if (!is_shown.empty() && is_shown[held.panel] == 0) continue;
+    const Placed placed = place(held, view);
+    const std::vector<Run> visible = runs_in_view(held, placed, view);
     if (visible.empty()) continue;
-    const glm::mat3 matrix(camera_from_face);
+    for (const Run& run : visible) triangles += run.count / 3;
+    const glm::mat3 matrix(placed.camera_from_face);
+    const glm::vec3 shift(placed.shift);
     glUniformMatrix3fv(program_.uniform("camera_from_face"), 1, GL_FALSE, &matrix[0][0]);
-    glUniform3f(program_.uniform("shift"), static_cast<float>(shift.x), static_cast<float>(shift.y), static_cast<float>(shift.z));
+    glUniform3f(program_.uniform("shift"), shift.x, shift.y, shift.z);
     glUniform2f(program_.uniform("depth"), static_cast<float>(kBehindNear * depth.scale * view.near_plane_m / held.frame.side_m), depth.bias);
     // Sample i is at u = -1 + (i - ½)·pitch; its texel's centre at (i + ½)/N.
     const double scale = 1 / (held.frame.pitch * held.frame.edge_samples);

@@ -18,8 +18,11 @@ class PanelRenderer {
 
   /// Replaces what was held before.
   void upload(std::span<const MeshPanel> panels);
-  /// Panels outside the view's pyramid are left out. Requires: a Framebuffer has begun. Returns: triangles drawn.
-  std::size_t draw(const client::ViewTransform& view);
+  /// Triangles of each uploaded panel within the view's pyramid, as draw() would draw them.
+  std::vector<std::size_t> triangles_in_view(const client::ViewTransform& view) const;
+  /// What lies outside the view's pyramid is left out, and panels whose `is_shown` is 0 (empty: all are shown). Requires: a
+  /// Framebuffer has begun. Returns: triangles drawn.
+  std::size_t draw(const client::ViewTransform& view, std::span<const std::uint8_t> is_shown = {});
 
  private:
   /// Triangles that lie together on a face, and the box around them in (u, v, disparity).
@@ -28,17 +31,26 @@ class PanelRenderer {
     glm::dvec3 low{0}, high{0};
   };
   struct Held {
+    std::size_t panel = 0;  // of those uploaded
     ViewFrame frame;
     client::Buffer vertices, indices;
     client::VertexArrayName array;
     client::TextureName texture;
     std::vector<Run> runs;
   };
+  /// Where a face's samples stand before the viewer: camera_from_face·(u, v, 1) + disparity·shift, in sides.
+  struct Placed {
+    glm::dmat3 camera_from_face;
+    glm::dvec3 shift;
+  };
   static Held hold(const MeshPanel& panel);
+  static Placed place(const Held& held, const client::ViewTransform& view);
+  static std::vector<Run> runs_in_view(const Held& held, const Placed& placed, const client::ViewTransform& view);
 
   client::GlAbilities abilities_;
   client::Program program_;
   std::vector<Held> held_;
+  std::size_t uploaded_ = 0;
 };
 
 }  // namespace farfield::bench

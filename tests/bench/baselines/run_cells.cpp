@@ -84,7 +84,7 @@ class CellRun {
     }
     const MadeCell& cell = held_.front().second;
     if (cell.layers) renderer_.show(*cell.layers);
-    else renderer_.show(cell.panels);
+    else renderer_.show(cell.panels, cell.tree, cell.budget);
     return {};
   }
   void drop_oldest() {

@@ -6,6 +6,7 @@
 
 #include "tests/bench/baselines/layered_image.h"
 #include "tests/bench/baselines/mesh_panel.h"
+#include "tests/bench/baselines/scan_selection.h"
 #include "tests/bench/method_result.h"
 #include "tests/bench/world.h"
 
@@ -14,6 +15,8 @@ namespace farfield::bench {
 /// A cell's impostor as a client holds it after decoding.
 struct MadeCell {
   std::vector<MeshPanel> panels;
+  ScanTree tree;                      // of panels that depend on each other, and how many are drawn
+  ScanBudget budget;
   std::optional<LayeredCell> layers;  // instead of panels
   double cell_ms = 0;                 // from casting to the last encoded byte, on all cores
   double intra_ms = 0;                // of that, casting the central or intra view alone

@@ -56,9 +56,9 @@ inline Difference difference(const client::Frame& seen, const ReferenceImage& wa
 class FarComparison {
  public:
   explicit FarComparison(const PillarRoom& room) : room_(room), renderer_(bench::BaselineFrame::create(kFarDisplay, 1).value()) {}
-  template <class Impostor>
-  void show(const Impostor& impostor) {
-    renderer_->show(impostor);
+  template <class... Impostor>
+  void show(const Impostor&... impostor) {
+    renderer_->show(impostor...);
   }
   Difference at(const glm::dvec3& eye) {
     const client::LeafView near = empty_near(room_.space, room_.scene());

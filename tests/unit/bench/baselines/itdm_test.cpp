@@ -13,7 +13,7 @@ namespace {
 
 TEST(DependencyTree, IsRootedNearTheCentroidAndJoinsNeighbours) {
   const std::vector<glm::dvec3> positions{{0, 0, 0}, {2, 0, 0}, {0, 0, 2}, {2, 0, 2}, {1, 0, 1}, {2, 0, 1}};
-  const std::vector<std::size_t> parents = dependency_tree(positions);
+  const std::vector<std::size_t> parents = dependency_tree(positions).parents;
   EXPECT_EQ(parents[4], 4u);
   EXPECT_EQ(parents[5], 4u);
   EXPECT_EQ(parents[0], 4u);
@@ -69,6 +69,30 @@ TEST(Itdm, ShowsWhatOneMeshCannotAndDropsMostOfItsSamples) {
   }
   EXPECT_LT(itdm, tdm);
   EXPECT_LT(uncovered, 0.005);
+}
+
+TEST(Itdm, EachFurtherScanUncoversLess) {
+  const test::PillarRoom room;
+  ItdmOptions options;
+  options.face_samples = 258, options.display = test::kFarDisplay;
+  options.search.void_sr = 0.02, options.search.void_edge = 48;
+  const ItdmCell cell = make_itdm(room.scene(), room.space, room.centre().y, options);
+  ASSERT_EQ(cell.panels.size(), cell.tree.positions.size() * kCubeFaces);
+  test::FarComparison meshes(room);
+  const glm::dvec3 eye = room.centre() + glm::dvec3(0, 0, 0.45);
+  const auto uncovered_with = [&](const ScanBudget& budget) {
+    meshes.show(cell.panels, cell.tree, budget);
+    meshes.at(eye);
+    return meshes.uncovered_share();
+  };
+  const double one = uncovered_with({1, 0}), two = uncovered_with({2, 0}), all = uncovered_with({});
+  EXPECT_GT(one, 0.01);  // what the intra cube alone cannot show beside the pillar
+  EXPECT_LT(two, 0.5 * one);
+  EXPECT_LE(all, two);
+  const std::size_t triangles = (uncovered_with({1, 0}), meshes.drawn.triangles);
+  EXPECT_NEAR(uncovered_with({0, triangles}), one, 1e-12);
+  EXPECT_EQ(meshes.drawn.triangles, triangles);
+  EXPECT_LT(uncovered_with({0, 100 * triangles}), 0.5 * one);
 }
 
 }  // namespace
