@@ -15,7 +15,7 @@ namespace farfield {
 
 /// Changes `rgb` (as Tile::rgb) of samples that have neighbours of their own surface on both sides, per direction: by
 /// kSharpening times what they differ from them. Values are sRGB, as clients interpolate them. Nothing crosses a cut of
-/// `tile`, whose colours are not read. Linear in the samples; about 0.3 ns each.
+/// `tile`, whose colours are not read. Linear in the samples; about 1 ns each.
 void sharpen_colours(const Tile& tile, std::vector<std::uint8_t>& rgb);
 
 /// Of 64. A sample of spacing s (pixels) that is the mean of its area (variance s²/12), interpolated by a tent (s²/6), should
