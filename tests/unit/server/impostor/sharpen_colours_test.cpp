@@ -37,7 +37,7 @@ double row_error(const std::vector<std::uint8_t>& rgb, int width, double frequen
   for (double at = 4; at < width - 5; at += 0.125, ++count) {
     const int first = static_cast<int>(at);
     const double t = at - first;
-    const auto level = [&](int k) { return double{rgb[3 * static_cast<std::size_t>(is_down ? k * width + 8 : 8 * width + k)]}; };
+    const auto level = [&](int k) { return static_cast<double>(rgb[3 * static_cast<std::size_t>(is_down ? k * width + 8 : 8 * width + k)]); };
     const double shown = (1 - t) * level(first) + t * level(first + 1);
     const double error = shown - (128 + 100 * pixel * std::sin(2 * kPi * frequency * at));
     sum += error * error;
