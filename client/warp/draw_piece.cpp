@@ -118,33 +118,36 @@ class Shares {
   __m512i rows_;
 };
 
-/// Of 16 pixels, eight bytes each in `first` and `second`: channel c of the left and the right texel.
-inline __m512i channel(__m512i first, __m512i second, int c) {
-  const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const __m512i places = _mm512_add_epi16(_mm512_slli_epi16(both(lanes), 3), pair(c, c + 3));
-  return _mm512_maskz_permutex2var_epi8(0x5555555555555555u, first, places, second);
-}
+/// A square's texels, all at hand: looked up sixteen pixels and two corners at a time.
+class Texels {
+ public:
+  explicit Texels(const std::uint8_t* texels) {
+    for (int c = 0; c < 3; ++c) {
+      first_[c] = _mm512_loadu_si512(texels + c * kSquareTexels);
+      rest_[c] = _mm512_loadu_si512(texels + c * kSquareTexels + 64);
+    }
+  }
 
-inline __m512i colours(const std::uint8_t* texels, const Place& place, const Weights& weights, __mmask16 pixels) {
-  const __m512i position = _mm512_mask_blend_epi16(static_cast<__mmask32>(kRightHalves), place.i, _mm512_slli_epi32(place.j, 16));
-  const __m512i from_first = _mm512_madd_epi16(position, pair(3, 3 * kRingEdge));
-  const std::uint8_t* first = texels + 3 * (kRingEdge + 1);
-  const auto eight = [&](bool is_second, int row) {
-    const __m256i at = is_second ? _mm512_extracti64x4_epi64(from_first, 1) : _mm512_castsi512_si256(from_first);
-    return _mm512_mask_i32gather_epi64(_mm512_setzero_si512(), static_cast<__mmask8>(is_second ? pixels >> 8 : pixels), at,
-                                       first + row * 3 * kRingEdge, 1);
-  };
-  const __m512i up_a = eight(false, 0), up_b = eight(true, 0), down_a = eight(false, 1), down_b = eight(true, 1);
-  const auto mixed = [&](int c) {
-    const __m512i sum = _mm512_add_epi32(_mm512_madd_epi16(channel(up_a, up_b, c), weights.up),
-                                         _mm512_madd_epi16(channel(down_a, down_b, c), weights.down));
-    return _mm512_add_epi32(sum, _mm512_set1_epi32(128));
-  };
-  const __m512i upper_byte = _mm512_set1_epi32(0xff00);
-  const __m512i red = _mm512_srli_epi32(mixed(0), 8), green = _mm512_and_si512(mixed(1), upper_byte);
-  const __m512i blue = _mm512_slli_epi32(_mm512_and_si512(mixed(2), upper_byte), 8);
-  return _mm512_or_si512(_mm512_or_si512(red, green), blue);
-}
+  __m512i colours(const Place& place, const Weights& weights) const {
+    const __m512i position = _mm512_mask_blend_epi16(static_cast<__mmask32>(kRightHalves), place.i, _mm512_slli_epi32(place.j, 16));
+    constexpr int kOwn = kRingEdge + 1;
+    const __m512i up = _mm512_add_epi16(both(_mm512_madd_epi16(position, pair(1, kRingEdge))), pair(kOwn, kOwn + 1));
+    const __m512i down = _mm512_add_epi16(up, _mm512_set1_epi16(kRingEdge));
+    const auto mixed = [&](int c) {
+      const __m512i sum = _mm512_add_epi32(_mm512_madd_epi16(at(c, up), weights.up), _mm512_madd_epi16(at(c, down), weights.down));
+      return _mm512_add_epi32(sum, _mm512_set1_epi32(128));
+    };
+    const __m512i upper_byte = _mm512_set1_epi32(0xff00);
+    const __m512i red = _mm512_srli_epi32(mixed(0), 8), green = _mm512_and_si512(mixed(1), upper_byte);
+    const __m512i blue = _mm512_slli_epi32(_mm512_and_si512(mixed(2), upper_byte), 8);
+    return _mm512_or_si512(_mm512_or_si512(red, green), blue);
+  }
+
+ private:
+  __m512i at(int c, __m512i indices) const { return _mm512_maskz_permutex2var_epi8(0x5555555555555555u, first_[c], indices, rest_[c]); }
+
+  __m512i first_[3], rest_[3];
+};
 
 inline __m512i high_halves(__m512 disparity, const Place& place) {
   const __m512i steps = _mm512_set1_epi32(kPositionSteps);
@@ -158,9 +161,10 @@ inline __m512i high_halves(__m512 disparity, const Place& place) {
   return _mm512_or_si512(_mm512_slli_epi32(_mm512_castps_si512(positive), 1), _mm512_set1_epi32(1));
 }
 
-inline void keep_larger(std::uint64_t* keys, __mmask8 pixels, __m512i fresh) {
-  const __m512i old = _mm512_maskz_loadu_epi64(pixels, keys);
-  _mm512_mask_storeu_epi64(keys, pixels, _mm512_max_epu64(old, fresh));
+/// Upper and lower halves of 16 keys in two vectors, one after another.
+inline __m512i halves(__m512i first, __m512i second, int which) {
+  const __m512i lanes = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  return _mm512_permutex2var_epi32(first, _mm512_add_epi32(lanes, _mm512_set1_epi32(which)), second);
 }
 
 template <bool kIsWhole>
@@ -173,6 +177,7 @@ void draw(const PlacedPiece& placed, const Reaches* reaches, const Shares* share
   const __m512 block_x = _mm512_setr_ps(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
   const __m512 block_y = _mm512_setr_ps(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
   const __m512i low_bits = _mm512_set1_epi32(kPositionSteps - 1);
+  const Texels texels(placed.texels);
   for (int line = placed.top; line <= placed.bottom; line += 2) {
     const __m512 y = _mm512_add_ps(_mm512_set1_ps(static_cast<float>(line - placed.origin_y)), block_y);
     const __m512 row_of_columns = along_y(placed.column, y), row_of_rows = along_y(placed.row, y), row_per_w = along_y(placed.per_w, y);
@@ -195,19 +200,24 @@ void draw(const PlacedPiece& placed, const Reaches* reaches, const Shares* share
       const __m512i at_x = _mm512_cvtps_epi32(column), at_y = _mm512_cvtps_epi32(row);
       Place place{_mm512_srai_epi32(at_x, 8), _mm512_srai_epi32(at_y, 8), _mm512_and_si512(at_x, low_bits),
                   _mm512_and_si512(at_y, low_bits), {}};
+      // What shows something nearer already is done with.
+      std::uint64_t *upper_keys = upper + left, *lower_keys = upper_keys + width;
+      const __m512i old_upper = _mm512_maskz_loadu_epi64(static_cast<__mmask8>(pixels), upper_keys);
+      const __m512i old_lower = _mm512_maskz_loadu_epi64(static_cast<__mmask8>(pixels >> 8), lower_keys);
+      const __m512i high = high_halves(along_x(placed.disparity, row_of_disparities, x), place);
+      pixels = _mm512_mask_cmpge_epu32_mask(pixels, high, halves(old_upper, old_lower, 1));
+      if (pixels == 0) continue;
       place.to_x = _mm512_or_si512(place.x, _mm512_slli_epi32(_mm512_sub_epi32(_mm512_set1_epi32(kPositionSteps), place.x), 16));
       if constexpr (!kIsWhole) {
         pixels &= reaches->covered(place);
         if (pixels == 0) continue;
       }
-      const Weights weights = kIsWhole ? Shares::whole(place) : shares->of(place);
-      const __m512i low = colours(placed.texels, place, weights, pixels);
-      const __m512i high = high_halves(along_x(placed.disparity, row_of_disparities, x), place);
+      const __m512i low = texels.colours(place, kIsWhole ? Shares::whole(place) : shares->of(place));
       const __m512i first_eight = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
       const __m512i last_eight = _mm512_add_epi32(first_eight, _mm512_set1_epi32(8));
-      keep_larger(upper + left, static_cast<__mmask8>(pixels), _mm512_permutex2var_epi32(low, first_eight, high));
-      const auto lower_pixels = static_cast<__mmask8>(pixels >> 8);
-      if (lower_pixels != 0) keep_larger(upper + width + left, lower_pixels, _mm512_permutex2var_epi32(low, last_eight, high));
+      const __m512i new_upper = _mm512_permutex2var_epi32(low, first_eight, high), new_lower = _mm512_permutex2var_epi32(low, last_eight, high);
+      _mm512_mask_storeu_epi64(upper_keys, static_cast<__mmask8>(pixels), _mm512_max_epu64(old_upper, new_upper));
+      _mm512_mask_storeu_epi64(lower_keys, static_cast<__mmask8>(pixels >> 8), _mm512_max_epu64(old_lower, new_lower));
     }
   }
 }

@@ -60,11 +60,10 @@ std::array<int, 4> weights_of(const SurfacePiece& piece, const Place& place) {
 
 std::uint32_t colour_at(const PlacedPiece& placed, const Place& place) {
   const std::array<int, 4> weights = weights_of(*placed.piece, place);
-  const std::uint8_t* texel = placed.texels + 3 * (kRingEdge * (place.j + 1) + place.i + 1);
   std::uint32_t colour = 0;
   for (int c = 0; c < 3; ++c) {
-    const int sum = weights[0] * texel[c] + weights[1] * texel[3 + c] + weights[2] * texel[3 * kRingEdge + c] +
-                    weights[3] * texel[3 * kRingEdge + 3 + c];
+    const std::uint8_t* texel = placed.texels + kSquareTexels * c + kRingEdge * (place.j + 1) + place.i + 1;
+    const int sum = weights[0] * texel[0] + weights[1] * texel[1] + weights[2] * texel[kRingEdge] + weights[3] * texel[kRingEdge + 1];
     colour |= static_cast<std::uint32_t>((sum + 128) >> 8) << (8 * c);
   }
   return colour;

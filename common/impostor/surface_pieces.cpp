@@ -271,9 +271,10 @@ class PieceFinder {
     found_.texels.resize(first + kSquareTexelBytes, 0);
     std::uint8_t* to = found_.texels.data() + first;
     for (int j = -1; j <= kSquareEdge; ++j) {
-      for (int i = -1; i <= kSquareEdge; ++i, to += 3) {
+      for (int i = -1; i <= kSquareEdge; ++i, ++to) {
         const int index = window_->at(i, j);
-        if (is_covered(index)) std::copy_n(&tile_.rgb[3 * static_cast<std::size_t>(index)], 3, to);
+        if (!is_covered(index)) continue;
+        for (int c = 0; c < 3; ++c) to[c * kSquareTexels] = tile_.rgb[3 * static_cast<std::size_t>(index) + static_cast<std::size_t>(c)];
       }
     }
   }

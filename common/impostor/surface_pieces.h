@@ -29,9 +29,10 @@ inline constexpr bool kPiecesAreFaster = false;
 inline constexpr int kSquareEdge = 8;                 // samples
 inline constexpr int kSquareSamples = kSquareEdge * kSquareEdge;
 inline constexpr int kRingEdge = kSquareEdge + 2;     // with the samples around it
-inline constexpr int kSquareTexelBytes = 3 * kRingEdge * kRingEdge;
-/// Renderers may read whole words that begin within the texels.
-inline constexpr int kTexelPadding = 8;
+inline constexpr int kSquareTexels = kRingEdge * kRingEdge;
+inline constexpr int kSquareTexelBytes = 3 * kSquareTexels;
+/// Renderers read the texels of a channel as two vectors of 64 bytes.
+inline constexpr int kTexelPadding = 128 - kSquareTexels;
 
 struct PieceSquare {
   std::uint16_t column = 0, row = 0;  // on the face, of the sample (0, 0)
@@ -62,7 +63,7 @@ struct SurfacePieces {
   std::vector<SquareGroup> groups;
   std::vector<SurfacePiece> pieces;
   std::vector<std::uint16_t> reach;   // 64 per square that has them, by rows; of samples in no piece 0
-  std::vector<std::uint8_t> texels;   // [square][row + 1][column + 1][RGB], sRGB, and kTexelPadding bytes
+  std::vector<std::uint8_t> texels;   // [square][RGB][row + 1][column + 1], sRGB, and kTexelPadding bytes
   std::uint32_t samples = 0;          // in pieces
 
   std::size_t piece_end(std::size_t square) const {

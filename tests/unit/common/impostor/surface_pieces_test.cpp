@@ -58,7 +58,7 @@ TEST(SurfacePieces, APlaneIsWholeSquares) {
   EXPECT_NEAR(piece.slope_v, -5e-4f, 1e-6f);
   EXPECT_EQ(piece.own, ~std::uint64_t{0});
   EXPECT_EQ(found.texels[17 * kSquareTexelBytes], 8) << "the ring around it begins one sample before";
-  EXPECT_EQ(found.texels[17 * kSquareTexelBytes + 3 * (kRingEdge + 1) + 1], 9);
+  EXPECT_EQ(found.texels[17 * kSquareTexelBytes + kSquareTexels + kRingEdge + 1], 9);
   EXPECT_EQ(in_pieces[0], 0);
   EXPECT_EQ(in_pieces[129], 1);
 }
