@@ -99,7 +99,7 @@ void NearRaster::State::place(const NearBatches& batches, const BatchInView& bat
       const SurfaceVertex& vertex = batches.vertices[in_view.indices[i + k]];
       corners[k] = {pixels_from_scene * (glm::dvec3(vertex.position) - eye_from_centre), &vertex};
     }
-    if (place_triangle(corners, pixels.width, pixels.height, triangle)) triangles.push_back(triangle);
+    if (place_triangle(corners, largest_disparity, pixels.width, pixels.height, triangle)) triangles.push_back(triangle);
   }
 }
 
@@ -132,12 +132,8 @@ void NearRaster::draw_rows(const Display& pixels, int first_row, int last_row, s
   const auto row_at = [&](int y) { return keys + static_cast<std::size_t>(y) * static_cast<std::size_t>(width); };
   std::fill(row_at(first_row), row_at(last_row), kNoSplat);
   // Until colours are found a key's lower half is the triangle's number, from 1; later ones are larger.
-  for (std::size_t k = 0; k < s.triangles.size(); ++k) {
-    const RasterTriangle& triangle = s.triangles[k];
-    const int end = std::min(triangle.bottom + 1, last_row);
-    for (int y = std::max(triangle.top, first_row); y < end; ++y)
-      draw_triangle_row(triangle, static_cast<std::uint32_t>(k + 1), s.largest_disparity, y, width, row_at(y));
-  }
+  for (std::size_t k = 0; k < s.triangles.size(); ++k)
+    draw_triangle(s.triangles[k], static_cast<std::uint32_t>(k + 1), s.largest_disparity, first_row, last_row, width, keys);
   for (int y = first_row; y < last_row; ++y) {
     std::uint64_t* row = row_at(y);
     for (int x = 0; x < width;) {

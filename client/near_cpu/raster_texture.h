@@ -30,9 +30,12 @@ class RasterTexture {
   std::size_t memory_bytes() const { return texels_.capacity() * sizeof(std::uint32_t) + alpha_.capacity(); }
 
  private:
+  static constexpr std::size_t kTable = 16;  // one vector
+  static_assert(kMaxLevels < kTable);
+
   int level_count_ = 0;
-  std::array<std::int32_t, kMaxLevels + 1> width_{}, height_{}, first_{};  // of each level, the finest first; the last stands twice
-  std::vector<std::uint32_t> texels_;
+  alignas(64) std::array<std::int32_t, kTable> width_{}, height_{}, first_{};  // of each level, the finest first; the last stands twice
+  std::vector<std::uint32_t> texels_;  // of each level by rows, the first column once more at their ends, and the first row after the last
   std::vector<std::uint8_t> alpha_;  // of the finest level; empty: all opaque
 };
 

@@ -18,12 +18,26 @@ PixelLinear at_pixels(const glm::dvec3& by_place) {
   return {by_place.z + 0.5 * (by_place.x + by_place.y), by_place.x, by_place.y};
 }
 
+/// Of a triangle that reaches behind the eye: the rows of its part at least `least_w` before it. Returns: false if there are none.
+bool find_rows(const std::array<RasterCorner, 3>& corners, double least_w, int height, RasterTriangle& out) {
+  double y_low = height, y_high = 0;
+  const auto take = [&](double y) { y_low = std::min(y_low, y), y_high = std::max(y_high, y); };
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec3 &a = corners[k].place, &b = corners[(k + 1) % 3].place;
+    if (a.z >= least_w) take(a.y / a.z);
+    if ((a.z >= least_w) != (b.z >= least_w)) take((a.y + (b.y - a.y) * ((least_w - a.z) / (b.z - a.z))) / least_w);
+  }
+  out.top = static_cast<int>(std::clamp(std::floor(y_low - 0.5), 0.0, height - 0.0));
+  out.bottom = static_cast<int>(std::clamp(std::ceil(y_high - 0.5), -1.0, height - 1.0));
+  return out.top <= out.bottom;
+}
+
 /// Sets the pixels whose centres can lie inside. Returns: false if there are none.
-bool find_pixels(const std::array<RasterCorner, 3>& corners, int width, int height, RasterTriangle& out) {
+bool find_pixels(const std::array<RasterCorner, 3>& corners, double least_w, int width, int height, RasterTriangle& out) {
   out.left = out.top = 0, out.right = width - 1, out.bottom = height - 1;
   const auto is_in_front = [](const RasterCorner& c) { return c.place.z > 0; };
   if (std::none_of(corners.begin(), corners.end(), is_in_front)) return false;
-  if (!std::all_of(corners.begin(), corners.end(), is_in_front)) return true;  // it may reach everywhere
+  if (!std::all_of(corners.begin(), corners.end(), is_in_front)) return find_rows(corners, least_w, height, out);
   double x_low = width, x_high = 0, y_low = height, y_high = 0;
   for (const RasterCorner& c : corners) {
     const double x = c.place.x / c.place.z, y = c.place.y / c.place.z;
@@ -36,16 +50,30 @@ bool find_pixels(const std::array<RasterCorner, 3>& corners, int width, int heig
   return out.left <= out.right && out.top <= out.bottom;
 }
 
-/// Narrows [left, right] to where none of the edges is negative in a row, and at most a pixel more.
-void narrow(const RasterTriangle& t, int y, int& left, int& right) {
-  double low = left, high = right;
+/// Rows looked at together, and what to look at in each: columns [left, right].
+constexpr int kRows = 16;
+struct Spans {
+  alignas(64) std::array<std::int32_t, kRows> left, right;
+};
+
+/// Of rows from `first` on, where none of the edges is negative, and at most a pixel more. Far more rows of thin triangles and of
+/// those that reach out of the frame are found empty here than are drawn.
+void find_spans(const RasterTriangle& t, int first, Spans& out) {
+  alignas(64) std::array<double, kRows> low, high;
+  low.fill(t.left), high.fill(t.right);
   for (std::size_t k = 0; k < 3; ++k) {
-    const double along_x = t.edges[k].along_x, zero = t.zero[k] + t.zero_per_row[k] * y;
-    if (along_x > 0) low = std::max(low, std::floor(zero));
-    if (along_x < 0) high = std::min(high, std::ceil(zero));
+    const double along_x = t.edges[k].along_x, zero = t.zero[k], per_row = t.zero_per_row[k];
+    if (along_x > 0) {
+      for (int i = 0; i < kRows; ++i) low[i] = std::max(low[i], std::floor(zero + per_row * (first + i)));
+    } else if (along_x < 0) {
+      for (int i = 0; i < kRows; ++i) high[i] = std::min(high[i], std::ceil(zero + per_row * (first + i)));
+    }
   }
-  if (!(low <= high)) low = right + 1.0, high = right;
-  left = static_cast<int>(low), right = static_cast<int>(high);
+  const double left = t.left, right = t.right;
+  for (int i = 0; i < kRows; ++i) {
+    const double from = low[i] <= high[i] ? low[i] : right, to = low[i] <= high[i] ? high[i] : left - 1;
+    out.left[i] = static_cast<std::int32_t>(from), out.right[i] = static_cast<std::int32_t>(to);
+  }
 }
 
 /// The row's functions in float: every triangle with the same edge rounds alike.
@@ -79,10 +107,35 @@ bool is_transparent(const RasterTriangle& t, int x, int y) {
   return t.texture->alpha_at(static_cast<float>(u), static_cast<float>(v)) < t.alpha_cutoff;
 }
 
+/// Columns [left, right] of one row.
+void draw_row(const RasterTriangle& triangle, std::uint32_t number, float largest_disparity, int y, int left, int right, int width,
+              std::uint64_t* keys) {
+  const TriangleRow row(triangle, largest_disparity, y);
+  for (int x = left & -kBlock; x <= right; x += kBlock) {
+    std::array<std::uint32_t, kBlock> high;
+    std::uint64_t* at = keys + x;
+    if (x + kBlock > width || triangle.is_alpha_masked) {
+      for (int k = 0; k < std::min(kBlock, width - x); ++k) {
+        const std::uint64_t key = make_key(row.high(x + k), number);
+        if (key >> 32 == 0 || key < at[k] || (triangle.is_alpha_masked && is_transparent(triangle, x + k, y))) continue;
+        at[k] = key;
+      }
+      continue;
+    }
+    for (int k = 0; k < kBlock; ++k) high[static_cast<std::size_t>(k)] = row.high(x + k);
+    for (int k = 0; k < kBlock; ++k) {
+      const std::uint32_t own = high[static_cast<std::size_t>(k)];
+      const std::uint64_t key = make_key(own, number & (0u - (own & 1)));  // its lowest bit is set where there is any
+      at[k] = at[k] < key ? key : at[k];
+    }
+  }
+}
+
 }  // namespace
 
-bool place_triangle(const std::array<RasterCorner, 3>& corners, int width, int height, RasterTriangle& out) {
-  if (!find_pixels(corners, width, height, out)) return false;
+bool place_triangle(const std::array<RasterCorner, 3>& corners, float largest_disparity, int width, int height, RasterTriangle& out) {
+  // A pixel's disparity is rounded to a float, and so was the largest.
+  if (!find_pixels(corners, (1 - 0x1p-22) / largest_disparity, width, height, out)) return false;
   const glm::dvec3 &a = corners[0].place, &b = corners[1].place, &c = corners[2].place;
   const std::array<glm::dvec3, 3> across{glm::cross(b, c), glm::cross(c, a), glm::cross(a, b)};
   const double volume = glm::dot(a, across[0]), per_volume = 1 / volume;
@@ -109,27 +162,17 @@ bool place_triangle(const std::array<RasterCorner, 3>& corners, int width, int h
   return true;
 }
 
-void draw_triangle_row(const RasterTriangle& triangle, std::uint32_t number, float largest_disparity, int y, int width,
-                       std::uint64_t* keys) {
-  int left = triangle.left, right = triangle.right;
-  narrow(triangle, y, left, right);
-  const TriangleRow row(triangle, largest_disparity, y);
-  for (int x = left & -kBlock; x <= right; x += kBlock) {
-    std::array<std::uint32_t, kBlock> high;
-    std::uint64_t* at = keys + x;
-    if (x + kBlock > width || triangle.is_alpha_masked) {
-      for (int k = 0; k < std::min(kBlock, width - x); ++k) {
-        const std::uint64_t key = make_key(row.high(x + k), number);
-        if (key >> 32 == 0 || key < at[k] || (triangle.is_alpha_masked && is_transparent(triangle, x + k, y))) continue;
-        at[k] = key;
-      }
-      continue;
-    }
-    for (int k = 0; k < kBlock; ++k) high[static_cast<std::size_t>(k)] = row.high(x + k);
-    for (int k = 0; k < kBlock; ++k) {
-      const std::uint32_t own = high[static_cast<std::size_t>(k)];
-      const std::uint64_t key = make_key(own, number & (0u - (own & 1)));  // its lowest bit is set where there is any
-      at[k] = at[k] < key ? key : at[k];
+void draw_triangle(const RasterTriangle& triangle, std::uint32_t number, float largest_disparity, int first_row, int last_row, int width,
+                   std::uint64_t* keys) {
+  const int end = std::min(triangle.bottom + 1, last_row);
+  Spans spans;
+  for (int first = std::max(triangle.top, first_row); first < end; first += kRows) {
+    find_spans(triangle, first, spans);
+    for (int i = 0; i < std::min(kRows, end - first); ++i) {
+      if (spans.left[i] > spans.right[i]) continue;
+      const int y = first + i;
+      draw_row(triangle, number, largest_disparity, y, spans.left[i], spans.right[i], width,
+               keys + static_cast<std::size_t>(y) * static_cast<std::size_t>(width));
     }
   }
 }

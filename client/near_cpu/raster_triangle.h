@@ -44,12 +44,13 @@ struct RasterCorner {
   const SurfaceVertex* vertex = nullptr;
 };
 
-/// Sets all but texture and mask. Returns: false if no pixel of the frame can show it.
-bool place_triangle(const std::array<RasterCorner, 3>& corners, int width, int height, RasterTriangle& out);
+/// Sets all but texture and mask. Returns: false if no pixel of the frame can show it up to `largest_disparity`.
+bool place_triangle(const std::array<RasterCorner, 3>& corners, float largest_disparity, int width, int height, RasterTriangle& out);
 
-/// Writes into row `y` of the frame, at `keys`, the larger of what is there and key_high() of the triangle's disparity with
-/// `number` below it, wherever it covers a pixel's centre up to `largest_disparity`. Of equal disparities the larger number stays.
-void draw_triangle_row(const RasterTriangle& triangle, std::uint32_t number, float largest_disparity, int y, int width,
-                       std::uint64_t* keys);
+/// Writes into rows [first_row, last_row) of the frame whose keys are given the larger of what is there and key_high() of the
+/// triangle's disparity with `number` below it, wherever it covers a pixel's centre up to `largest_disparity`. Of equal disparities
+/// the larger number stays.
+void draw_triangle(const RasterTriangle& triangle, std::uint32_t number, float largest_disparity, int first_row, int last_row, int width,
+                   std::uint64_t* keys);
 
 }  // namespace farfield::client
