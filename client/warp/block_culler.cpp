@@ -2,6 +2,7 @@
 #include "client/warp/block_culler.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -38,7 +39,22 @@ struct Boxes {
 struct Reaches {
   alignas(64) std::array<std::int32_t, kColumns> left, right, top, bottom;
   alignas(64) std::array<float, kColumns> nearest;
+
+  /// Bit k: box k can reach some pixel.
+  std::uint32_t landing() const {
+    std::uint32_t bits = 0;
+    for (int k = 0; k < kColumns; ++k)
+      bits |= static_cast<std::uint32_t>(mask_of(left[k] <= right[k]) & mask_of(top[k] <= bottom[k])) & 1u << k;
+    return bits;
+  }
+  PixelRectangle pixels(std::size_t k) const { return {left[k], right[k], top[k], bottom[k]}; }
 };
+
+/// Calls f(k) for every bit, the lowest first.
+template <class F>
+void for_each_bit(std::uint32_t bits, F&& f) {
+  for (; bits != 0; bits &= bits - 1) f(static_cast<std::size_t>(std::countr_zero(bits)));
+}
 
 inline float smaller(float a, float b) { return a < b ? a : b; }
 inline float larger(float a, float b) { return a > b ? a : b; }
@@ -139,14 +155,6 @@ class TileBoxes {
   const float begin_u_, begin_v_, stride_, length_;
 };
 
-bool lands(const Reaches& reaches, int k) {
-  return reaches.left[k] <= reaches.right[k] && reaches.top[k] <= reaches.bottom[k];
-}
-
-PixelRectangle pixels_of(const Reaches& reaches, int k) {
-  return {reaches.left[k], reaches.right[k], reaches.top[k], reaches.bottom[k]};
-}
-
 }  // namespace
 
 VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats& splats, const PixelWindow& window,
@@ -159,16 +167,16 @@ VisibleBlocks find_visible_blocks(const TileProjection& projection, const Splats
   Reaches rows, squares;
   tile.whole_rows(boxes);
   to_window.project(boxes, rows);
-  for (int j = 0; j < splats.blocks.rows; ++j) {
-    if (!lands(rows, j) || shown.hide(pixels_of(rows, j), rows.nearest[j])) continue;
-    tile.row_of_squares(j, boxes);
+  for_each_bit(rows.landing() & ((1u << splats.blocks.rows) - 1), [&](std::size_t j) {
+    if (shown.hide(rows.pixels(j), rows.nearest[j])) return;
+    tile.row_of_squares(static_cast<int>(j), boxes);
     to_window.project(boxes, squares);
-    for (int c = 0; c < kColumns; ++c) {
-      if (!lands(squares, c) || shown.hide(pixels_of(squares, c), squares.nearest[c])) continue;
+    for_each_bit(squares.landing(), [&](std::size_t c) {
+      if (shown.hide(squares.pixels(c), squares.nearest[c])) return;
       visible[j] |= 1u << c;
-      shown.drawn(pixels_of(squares, c));
-    }
-  }
+      shown.drawn(squares.pixels(c));
+    });
+  });
   return visible;
 }
 
@@ -186,9 +194,9 @@ std::uint32_t find_visible_boxes(const BoxProjection& to_window, const Boxes& bo
   Reaches reaches;
   to_window.project(boxes, reaches);
   std::uint32_t visible = 0;
-  for (int k = 0; k < static_cast<int>(count); ++k) {
-    if (lands(reaches, k) && !shown.hide(pixels_of(reaches, k), reaches.nearest[k])) visible |= 1u << k;
-  }
+  for_each_bit(reaches.landing() & ((1u << count) - 1), [&](std::size_t k) {
+    if (!shown.hide(reaches.pixels(k), reaches.nearest[k])) visible |= 1u << k;
+  });
   return visible;
 }
 

@@ -57,9 +57,12 @@ inline std::uint64_t smallest_key(const PixelRectangle& pixels, int width, const
     __m512i eight = _mm512_set1_epi64(-1);
     for (int line = pixels.top; line <= pixels.bottom; ++line)
       eight = _mm512_mask_min_epu64(eight, 0xff, eight, _mm512_loadu_si512(keys + static_cast<std::size_t>(line) * static_cast<std::size_t>(width) + pixels.left));
-    alignas(64) std::uint64_t values[8];
-    _mm512_store_si512(values, eight);
-    return *std::min_element(values, values + 8);
+    const auto smaller = [](__m512i a, __m512i b) { return _mm512_mask_min_epu64(a, 0xff, a, b); };
+    eight = smaller(eight, _mm512_maskz_shuffle_i64x2(0xff, eight, eight, 0x4e));
+    eight = smaller(eight, _mm512_maskz_shuffle_i64x2(0xff, eight, eight, 0xb1));
+    eight = smaller(eight, _mm512_maskz_permutex_epi64(0xff, eight, 0xb1));
+    _mm512_mask_storeu_epi64(&smallest, 1, eight);
+    return smallest;
   }
 #endif
   for (int line = pixels.top; line <= pixels.bottom; ++line) {
