@@ -33,10 +33,24 @@ inline bool any_smaller(const std::uint64_t* keys, int count, std::uint64_t boun
 #endif
 }
 
-/// What hides anything with an eye disparity up to `nearest`, but for the roundings on the way to it: 2⁻²⁰ covers up to 16 of
-/// them.
-inline std::uint64_t largest_key(float nearest) {
-  return make_key(key_high(std::max(nearest * (1 + 0x1p-20f), 0.0f)), ~0u);
+/// Keys with larger upper halves hide anything with an eye disparity up to `nearest`, but for the roundings on the way to it:
+/// 2⁻²⁰ covers up to 16 of them.
+inline std::uint32_t largest_high(float nearest) { return key_high(std::max(nearest * (1 + 0x1p-20f), 0.0f)); }
+inline std::uint64_t largest_key(float nearest) { return make_key(largest_high(nearest), ~0u); }
+
+/// At most so many numbers not_above() compares at once.
+inline constexpr int kCells = 16;
+
+/// Bit k: values[k] is not above the bound. Requires: `count` is 1 to kCells.
+inline std::uint32_t not_above(const std::uint32_t* values, int count, std::uint32_t bound) {
+#if defined(__AVX512F__)
+  const auto some = static_cast<__mmask16>((1u << count) - 1);
+  return _mm512_mask_cmple_epu32_mask(some, _mm512_maskz_loadu_epi32(some, values), _mm512_set1_epi32(static_cast<int>(bound)));
+#else
+  std::uint32_t bits = 0;
+  for (int k = 0; k < count; ++k) bits |= static_cast<std::uint32_t>(values[k] <= bound) << k;
+  return bits;
+#endif
 }
 
 /// Whether one of the pixels' keys is smaller than `bound`.

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -26,12 +27,13 @@ class ShownDepths {
 
   /// Whether all of the pixels show something nearer than `nearest`, see are_hidden(). Requires: they lie in the window.
   bool hide(const PixelRectangle& pixels, float nearest) {
-    const std::uint64_t bound = largest_key(nearest);
-    const int last_row = (pixels.bottom - window_.top) / kEdge, last_column = pixels.right / kEdge;
+    const std::uint32_t bound = largest_high(nearest);
+    const int first_column = pixels.left / kEdge, last_column = pixels.right / kEdge, last_row = (pixels.bottom - window_.top) / kEdge;
     for (int row = (pixels.top - window_.top) / kEdge; row <= last_row; ++row) {
-      for (int column = pixels.left / kEdge; column <= last_column; ++column) {
-        Cell& cell = cells_[index(column, row)];
-        if (cell.farthest < bound && !hides(pixels, bound, column, row, cell)) return false;
+      for (int column = first_column; column <= last_column; column += kCells) {
+        const int count = std::min(last_column + 1 - column, kCells);
+        for (std::uint32_t open = not_above(&cells_[index(column, row)], count, bound); open != 0; open &= open - 1)
+          if (!hides(pixels, bound, column + std::countr_zero(open), row)) return false;
       }
     }
     return true;
@@ -41,36 +43,25 @@ class ShownDepths {
   void drawn(const PixelRectangle& pixels) {
     const int last_row = (pixels.bottom - window_.top) / kEdge, last_column = pixels.right / kEdge;
     for (int row = (pixels.top - window_.top) / kEdge; row <= last_row; ++row) {
-      for (int column = pixels.left / kEdge; column <= last_column; ++column) cells_[index(column, row)].is_old = true;
+      for (int column = pixels.left / kEdge; column <= last_column; ++column) cells_[index(column, row)] &= ~kIsCurrent;
     }
   }
 
  private:
   static constexpr int kEdge = 8;
-  struct Cell {
-    std::uint64_t farthest = kNoSplat;  // no key of the cell is smaller
-    bool is_old = true;                 // the smallest may be larger by now
-  };
+  static constexpr std::uint32_t kIsCurrent = 1;
 
   std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column); }
 
-  bool hides(const PixelRectangle& pixels, std::uint64_t bound, int column, int row, Cell& cell) const {
-    const int left = column * kEdge, top = window_.top + row * kEdge;
-    const PixelRectangle whole{left, std::min(left + kEdge, window_.width) - 1, top, std::min(top + kEdge, window_.bottom) - 1};
-    if (cell.is_old) {
-      cell.farthest = smallest_key(whole, window_.width, keys_);
-      cell.is_old = false;
-      if (cell.farthest >= bound) return true;
-    }
-    const PixelRectangle part{std::max(whole.left, pixels.left), std::min(whole.right, pixels.right),
-                              std::max(whole.top, pixels.top), std::min(whole.bottom, pixels.bottom)};
-    return !any_smaller_in(part, bound, window_.width, keys_);
-  }
+  /// What the cell's number does not tell: the pixels are asked, and where they hide, the number is found anew.
+  bool hides(const PixelRectangle& pixels, std::uint32_t bound, int column, int row);
 
   PixelWindow window_;
   const std::uint64_t* keys_;
   int columns_;
-  std::vector<Cell> cells_;
+  /// The upper half of the smallest key of each cell, or less, and kIsCurrent instead of its lowest bit, which says nothing: where
+  /// it is not set the smallest may be larger by now.
+  std::vector<std::uint32_t> cells_;
 };
 
 }  // namespace farfield::client
