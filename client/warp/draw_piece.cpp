@@ -168,7 +168,7 @@ inline __m512i halves(__m512i first, __m512i second, int which) {
 }
 
 template <bool kIsWhole>
-void draw(const PlacedPiece& placed, const Reaches* reaches, const Shares* shares, int width, std::uint64_t* keys) {
+bool draw(const PlacedPiece& placed, const Reaches* reaches, const Shares* shares, int width, std::uint64_t* keys) {
   // Where a whole square's samples reach; else all that has samples at its corners. Positions are rounded afterwards.
   constexpr int kReach = static_cast<int>(kReachConnected) * kPositionSteps / 16 + 1;
   const __m512 first = _mm512_set1_ps(static_cast<float>(kIsWhole ? -kReach : -kPositionSteps) - 0.5f);
@@ -178,6 +178,7 @@ void draw(const PlacedPiece& placed, const Reaches* reaches, const Shares* share
   const __m512 block_y = _mm512_setr_ps(0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1);
   const __m512i low_bits = _mm512_set1_epi32(kPositionSteps - 1);
   const Texels texels(placed.texels);
+  bool any = false;
   for (int line = placed.top; line <= placed.bottom; line += 2) {
     const __m512 y = _mm512_add_ps(_mm512_set1_ps(static_cast<float>(line - placed.origin_y)), block_y);
     const __m512 row_of_columns = along_y(placed.column, y), row_of_rows = along_y(placed.row, y), row_per_w = along_y(placed.per_w, y);
@@ -212,6 +213,7 @@ void draw(const PlacedPiece& placed, const Reaches* reaches, const Shares* share
         pixels &= reaches->covered(place);
         if (pixels == 0) continue;
       }
+      any = true;
       const __m512i low = texels.colours(place, kIsWhole ? Shares::whole(place) : shares->of(place));
       const __m512i first_eight = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
       const __m512i last_eight = _mm512_add_epi32(first_eight, _mm512_set1_epi32(8));
@@ -220,18 +222,16 @@ void draw(const PlacedPiece& placed, const Reaches* reaches, const Shares* share
       _mm512_mask_storeu_epi64(lower_keys, static_cast<__mmask8>(pixels >> 8), _mm512_max_epu64(old_lower, new_lower));
     }
   }
+  return any;
 }
 
 }  // namespace
 
-void draw_piece(const PlacedPiece& placed, int width, std::uint64_t* keys) {
-  if (!placed.reach) {
-    draw<true>(placed, nullptr, nullptr, width, keys);
-    return;
-  }
+bool draw_piece(const PlacedPiece& placed, int width, std::uint64_t* keys) {
+  if (!placed.reach) return draw<true>(placed, nullptr, nullptr, width, keys);
   const Reaches reaches(placed);
   const Shares shares(*placed.piece);
-  draw<false>(placed, &reaches, &shares, width, keys);
+  return draw<false>(placed, &reaches, &shares, width, keys);
 }
 
 }  // namespace farfield::client
@@ -241,7 +241,10 @@ void draw_piece(const PlacedPiece& placed, int width, std::uint64_t* keys) {
 
 namespace farfield::client {
 
-void draw_piece(const PlacedPiece& placed, int width, std::uint64_t* keys) { draw_piece_scalar(placed, width, keys); }
+bool draw_piece(const PlacedPiece& placed, int width, std::uint64_t* keys) {
+  draw_piece_scalar(placed, width, keys);
+  return true;
+}
 
 }  // namespace farfield::client
 #endif

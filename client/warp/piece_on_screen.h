@@ -44,11 +44,9 @@ struct PlacedPiece {
 bool place_piece(const TileProjection& projection, const Splats& splats, const PieceSquare& square,
                  const SurfacePiece& piece, const PixelWindow& window, PlacedPiece& placed);
 
-/// The largest eye disparity that any of its pixels can have.
-float nearest_of(const PlacedPiece& placed);
-
 /// Draws it into rows of `width` keys. By vectors where the machine has what it takes (AVX-512), else draw_piece_scalar().
-void draw_piece(const PlacedPiece& placed, int width, std::uint64_t* keys);
+/// Returns: false if no key can have changed.
+bool draw_piece(const PlacedPiece& placed, int width, std::uint64_t* keys);
 /// The reference: the same pixels and keys, one after another.
 void draw_piece_scalar(const PlacedPiece& placed, int width, std::uint64_t* keys);
 

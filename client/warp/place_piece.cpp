@@ -112,14 +112,4 @@ bool place_piece(const TileProjection& projection, const Splats& splats, const P
   return true;
 }
 
-float nearest_of(const PlacedPiece& placed) {
-  const ScreenLinear& f = placed.disparity;
-  const auto at = [](int pixel, int origin) { return static_cast<float>(pixel - origin); };
-  const float x_a = f.along_x * at(placed.left, placed.origin_x), x_b = f.along_x * at(placed.right, placed.origin_x);
-  const float y_a = f.along_y * at(placed.top, placed.origin_y), y_b = f.along_y * at(placed.bottom, placed.origin_y);
-  // Four roundings of numbers up to the sum of the terms' sizes, here and where pixels are drawn.
-  const float sizes = std::fabs(f.origin) + std::max(std::fabs(x_a), std::fabs(x_b)) + std::max(std::fabs(y_a), std::fabs(y_b));
-  return f.origin + std::max(x_a, x_b) + std::max(y_a, y_b) + 0x1p-21f * sizes;
-}
-
 }  // namespace farfield::client

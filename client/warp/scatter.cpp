@@ -212,9 +212,7 @@ void scatter_tile(const Splats& splats, const TileProjection& projection, const 
   for_each_visible_square(projection, splats, window, shown, [&](std::size_t s) {
     draw_pieces(splats, projection, window, s, [&](const PlacedPiece& placed) {
       const PixelRectangle pixels{placed.left, placed.right, placed.top, placed.bottom};
-      if (shown.hide(pixels, nearest_of(placed))) return;
-      draw_piece(placed, window.width, keys);
-      shown.drawn(pixels);
+      if (draw_piece(placed, window.width, keys)) shown.drawn(pixels);
     });
   });
   const VisibleBlocks visible = find_visible_blocks(projection, splats, window, shown);
