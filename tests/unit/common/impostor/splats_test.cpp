@@ -117,6 +117,39 @@ TEST(Splats, ReachesEndAtCutsAndLinksLeadToNeighboursAlongV) {
   EXPECT_EQ(below(s, 128 * 126 + 30), 128u * 127 + 30);
 }
 
+// A far wall with a pillar before its columns 51 to 60, sloping by `slope` from column to column.
+Tile wall_behind_pillar(float slope) {
+  Tile tile = dense_tile(1, 0, 0);
+  tile.disparity_tolerance = 0.001f;
+  for (int j = 0; j < 128; ++j) {
+    for (int i = 0; i < 128; ++i) tile.disparity[128 * j + i] = i > 50 && i <= 60 ? 0.3f : 0.2f + slope * static_cast<float>(i - 50);
+    tile.cut_right[128 * j + 50] = 3, tile.cut_right[128 * j + 60] = 6;
+  }
+  return tile;
+}
+
+TEST(Splats, WhatANearerSurfaceHidesBeginsWithMoreOfTheFarther) {
+  const Splats s = build_splats(wall_behind_pillar(0), false);
+  ASSERT_EQ(s.size(), 128u * 128u);
+  EXPECT_EQ(s.reach[128 * 40 + 50], pack_reach(10, kReachBehind, 10, 10));
+  EXPECT_EQ(s.reach[128 * 40 + 51], pack_reach(11, 10, 10, 10)) << "the pillar ends where it was found to end";
+  EXPECT_EQ(s.reach[128 * 40 + 60], pack_reach(10, 11, 10, 10));
+  EXPECT_EQ(s.reach[128 * 40 + 61], pack_reach(kReachBehind, 10, 10, 10));
+}
+
+TEST(Splats, ASurfaceThatWouldRunBeforeTheNearerOneEndsAtItsCut) {
+  const Splats s = build_splats(wall_behind_pillar(0.099f), false);  // at the pillar's column .299, and known to .004 only
+  EXPECT_EQ(s.reach[128 * 40 + 50], pack_reach(10, 5, 10, 10));
+  const Splats apart = build_splats(wall_behind_pillar(0.095f), false);
+  EXPECT_EQ(apart.reach[128 * 40 + 50], pack_reach(10, kReachBehind, 10, 10));
+}
+
+TEST(Splats, SurfacesThatCodingMayHaveMovedApartEndAtTheirCut) {
+  Tile tile = wall_behind_pillar(0);
+  tile.disparity_tolerance = 0.03f;
+  EXPECT_EQ(build_splats(tile, false).reach[128 * 40 + 50], pack_reach(10, 5, 10, 10));
+}
+
 // Whatever is covered and cut: who is connected finds exactly that neighbour's disparity and colour, and no link leads
 // out of the arrays.
 TEST(Splats, ConnectedSamplesFindTheirNeighboursInRaggedTiles) {

@@ -79,7 +79,7 @@ TEST(SurfacePieces, EndAtCuts) {
   EXPECT_EQ(right.held[4], 0b1111100000u);
   EXPECT_EQ(left.held[0], 0b0000011111u) << "and those above";
   ASSERT_NE(square.first_reach, SurfacePieces::kAllConnected);
-  EXPECT_EQ(found.reach[square.first_reach + 3], pack_reach(10, 5, 10, 10));
+  EXPECT_EQ(found.reach[square.first_reach + 3], pack_reach(10, kReachBehind, 10, 10)) << "the nearer one hides it";
   EXPECT_EQ(found.reach[square.first_reach + 4], pack_reach(11, 10, 10, 10));
   EXPECT_EQ(square.lowest, 0.1f);
   EXPECT_EQ(square.highest, 0.3f);
