@@ -75,7 +75,8 @@ class RegionSamples {
     return result;
   }
 
-  // A needed sample brings its four neighbours along, so that its surface meets the one that another view holds.
+  // A needed sample brings its eight neighbours along, so that its surface meets the one that another view holds, at the
+  // corners too.
   std::vector<std::uint8_t> with_border() const {
     std::vector<std::uint8_t> kept = needed;
     const std::uint8_t *const begin = needed.data(), *const end = begin + needed.size();
@@ -83,12 +84,10 @@ class RegionSamples {
       return static_cast<const std::uint8_t*>(std::memchr(from, 1, static_cast<std::size_t>(end - from)));
     };
     for (const std::uint8_t* found = next(begin); found; found = next(found + 1)) {
-      const int at = static_cast<int>(found - begin), x = at % width, y = at / width;
-      const auto keep = [&](bool is_inside, int other) {
-        if (is_inside && arrays.covered[other]) kept[other] = 1;
-      };
-      keep(x + 1 < width, at + 1), keep(x > 0, at - 1);
-      keep(y + 1 < height, at + width), keep(y > 0, at - width);
+      const int at = static_cast<int>(found - begin), column = at % width, row = at / width;
+      for (int y = std::max(row - 1, 0); y <= std::min(row + 1, height - 1); ++y)
+        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, width - 1); ++x)
+          if (arrays.covered[index(x, y)]) kept[index(x, y)] = 1;
     }
     return kept;
   }

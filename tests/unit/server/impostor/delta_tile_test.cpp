@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "server/impostor/void_finder.h"
 #include "tests/unit/server/impostor/block_scenes.h"
 
 namespace farfield {
@@ -167,6 +168,47 @@ TEST(DeltaTile, NarrowStripsBesideRimsAreFound) {
     found += covered.contains({i / kBlockSamples, j / kBlockSamples}) || covered.contains({(i + 1) / kBlockSamples, j / kBlockSamples});
   }
   EXPECT_GE(found, corners.size() * 5 / 6) << "of " << corners.size();
+}
+
+// A slanted plate before a wall: the border of what it hides has steps, whose corners would stay open.
+TEST(DeltaTile, TheBorderTurnsCorners) {
+  constexpr double kPlate = 3;
+  const glm::dvec2 corner(-0.5, -0.5), along(0.8, 0.3), across(-0.3, 0.8);
+  const glm::dvec3 second(0, 0.4375, 0);
+  const PlacedScene placed = test::plain_room().quad({kPlate, corner.x, corner.y}, {0, along.x, along.y}, {0, across.x, across.y}, {90, 90, 90, 255}).build();
+  const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
+  const auto is_hidden_from = [&](const glm::dvec3& eye, const glm::dvec3& point) {
+    const glm::dvec3 met = eye + (point - eye) * ((kPlate - eye.x) / (point.x - eye.x));
+    const glm::dvec2 on = glm::inverse(glm::dmat2(along, across)) * (glm::dvec2(met.y, met.z) - corner);
+    return on.x > 0 && on.x < 1 && on.y > 0 && on.y < 1;
+  };
+  const auto is_needed = [&](int i, int j) {
+    const glm::dvec3 direction = CubeFace::of(0).direction(sample_tangent(kEdge, i), sample_tangent(kEdge, j));
+    const glm::dvec3 point = second + direction * exit_distance(kRoom, second, direction);
+    return !is_hidden_from(second, point) && is_hidden_from(glm::dvec3(0), point);
+  };
+  std::size_t corners = 0, open = 0;
+  for (int y = 0; y < face_regions(kEdge); ++y)
+    for (int x = 0; x < face_regions(kEdge); ++x) {
+      TileWork work;
+      DeltaSkips skips;
+      const TileId id{{}, 1, 0, static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y)};
+      const Tile tile = cast_delta_tile(*placed.scene, space, {placed.at(glm::dvec3(0)), placed.at(second)}, id, kSettings, kWarpGain, kTolerance, nullptr, work, skips);
+      for (std::size_t b = 0; b < tile.blocks.size(); ++b)
+        for (int k = 0; k < kBlockSamples * kBlockSamples; ++k) {
+          const int i = tile.blocks[b].x * kBlockSamples + k % kBlockSamples, j = tile.blocks[b].y * kBlockSamples + k / kBlockSamples;
+          bool is_corner = false;  // met by a needed sample of its patch, and by no needed one along an edge
+          for (const glm::ivec2 step : {glm::ivec2(1, 1), glm::ivec2(-1, 1), glm::ivec2(1, -1), glm::ivec2(-1, -1)}) {
+            const glm::ivec2 other = glm::ivec2(i, j) + step;
+            is_corner |= other.x / kPatchSamples == i / kPatchSamples && other.y / kPatchSamples == j / kPatchSamples && is_needed(other.x, other.y);
+          }
+          if (!is_corner || is_needed(i, j) || is_needed(i + 1, j) || is_needed(i - 1, j) || is_needed(i, j + 1) || is_needed(i, j - 1)) continue;
+          ++corners;
+          open += !tile.coverage[(b / kPackedColumns * kBlockSamples + static_cast<std::size_t>(k / kBlockSamples)) * tile.width + b % kPackedColumns * kBlockSamples + k % kBlockSamples];
+        }
+    }
+  EXPECT_GT(corners, 20u);
+  EXPECT_LE(open, corners / 10) << "of " << corners;
 }
 
 TEST(DeltaTile, OfAConvexRoomHoldsNothing) {
