@@ -16,11 +16,10 @@ double face_gain(int face, const glm::dvec3& eye, double nearest) {
   for (int i = 0; i <= kSteps; ++i)
     for (int j = 0; j <= kSteps; ++j) {
       const glm::dvec3 direction = frame.direction(2.0 * i / kSteps - 1, 2.0 * j / kSteps - 1);
-      const double turning = glm::length(glm::cross(eye, direction));
-      for (int k = 0; k <= kSteps; ++k) {
-        const glm::dvec3 seen = direction - eye * (k / (kSteps * nearest));
-        worst = std::max(worst, turning / glm::dot(seen, seen));
-      }
+      // Of all depths in this direction, the one whose point comes nearest to the eye.
+      const double squared = glm::dot(eye, eye), at = squared > 0 ? std::clamp(glm::dot(direction, eye) / squared, 0.0, 1 / nearest) : 0;
+      const glm::dvec3 seen = direction - eye * at;
+      worst = std::max(worst, glm::length(glm::cross(eye, direction)) / glm::dot(seen, seen));
     }
   return worst;
 }

@@ -21,8 +21,8 @@ double edge_samples_for(const Display& display, double kappa);
 /// seen from anywhere in the cell.
 ///
 /// A sample in direction D0 = (u, v, 1) with disparity d lies, from an eye displaced by e, in direction D = D0 - e·d. An
-/// error of d turns D at the rate |dD/dd x D|/|D|² = |e x D0|/|D|². The maximum over the cell's corners, the faces'
-/// tangent coordinates and d in [0, 1/z_min] is taken on a grid fine enough that it is within 1 % of the limit.
+/// error of d turns D at the rate |dD/dd x D|/|D|² = |e x D0|/|D|². The maximum over the cell's corners and d in [0, 1/z_min] is
+/// exact; over the faces' tangent coordinates it is taken on a grid fine enough that it is within 1 % of the limit.
 /// kappa = 2: 0.98 for a central view, 2.4 for one at a corner.
 double warp_gain(const glm::dvec3& view_offset, double kappa);
 
