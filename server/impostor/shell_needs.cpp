@@ -30,7 +30,7 @@ TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, c
 
 // Tiles of which less is seen than this, as a share of the sphere, are not worth their bytes: a delta tile takes about half
 // those of an intra tile, and there are many more that are hardly seen.
-constexpr double kLeastIntraShare = 2e-6, kLeastDeltaShare = 4e-7;
+constexpr double kLeastIntraShare = 1e-6, kLeastDeltaShare = 2e-7;
 
 }  // namespace
 

@@ -82,7 +82,7 @@ class Probe {
   /// Many viewpoints of few rays each: what shows only through a gap, from between the heights of the lattice, is seen
   /// from some of them.
   void look_through_gaps() {
-    constexpr int kGlances = 27;
+    constexpr int kGlances = 108;
     const int edge = std::max(4, settings_.edge / 2 / 4 * 4);
     for (int k = 0; k < kGlances && !result_.is_cut_short; ++k)
       if (!look_from_fresh([](int) { return true; }, tried_ + 4 * kGlances, edge)) return;

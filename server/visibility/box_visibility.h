@@ -52,7 +52,7 @@ struct VisibilityProbe {
 
 /// Casts viewpoints·6·edge² rays: from a lattice of up to 27 free viewpoints, then (thorough probes) from batches of
 /// nine others until one adds less than a hundredth to the near triangles; not converged after three: the box is too
-/// large against what stands in it to be spoken for by samples. Then from 27 more, a quarter of the rays from each; and
+/// large against what stands in it to be spoken for by samples. Then from 108 more, a quarter of the rays from each; and
 /// each enclosure is looked at from kEnclosureViewpoints at least, as far as free ones are found. Directions are
 /// jittered by viewpoint with a fixed sequence: deterministic. Far hits are kept only for probes that run to their end.
 BoxVisibility probe_visibility(const Scene& scene, const Box& viewpoints, const Box& near_box,

@@ -179,6 +179,35 @@ TEST(BoxVisibility, FarHitsAreBeyondTheNearBoxAndFillTheSphere) {
   EXPECT_FALSE(seen.is_cut_short);
 }
 
+// Plates of which only viewers in a few hundredths of the box see something, each through a hole in a wall. A ray meets most
+// of them, though the probe is coarse: tiles that hold such things would be missed by those who walk there.
+TEST(BoxVisibility, MostOfWhatShowsThroughGapsFromAFewPlacesIsFound) {
+  constexpr int kScenes = 40;
+  constexpr double kWall = 2, kPlateX = 6, kHole = 0.15, kPlate = 0.2;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> anywhere(-0.4, 0.4);
+  int found = 0;
+  for (int k = 0; k < kScenes; ++k) {
+    // A place of the box from which the plate's centre shows through the hole's.
+    const glm::dvec3 place(0, anywhere(random), anywhere(random)), hole(kWall, anywhere(random), anywhere(random));
+    const glm::dvec3 plate = place + (hole - place) * (kPlateX / kWall) - glm::dvec3(0, kPlate / 2, kPlate / 2);
+    const glm::dvec2 low(hole.y - kHole / 2, hole.z - kHole / 2), high = low + kHole;
+    const glm::u8vec4 grey(90, 90, 90, 255);
+    const PlacedScene placed = Blocks().room({{-10, -10, -10}, {10, 10, 10}})
+                                   .quad({kWall, -10, -10}, {0, low.x + 10, 0}, {0, 0, 20}, grey)
+                                   .quad({kWall, high.x, -10}, {0, 10 - high.x, 0}, {0, 0, 20}, grey)
+                                   .quad({kWall, low.x, -10}, {0, kHole, 0}, {0, 0, low.y + 10}, grey)
+                                   .quad({kWall, low.x, high.y}, {0, kHole, 0}, {0, 0, 10 - high.y}, grey)
+                                   .quad(plate, {0, kPlate, 0}, {0, 0, kPlate}, grey)
+                                   .build();
+    const Box viewpoints = placed.at(test::cube({0, 0, 0}, 1));
+    const BoxVisibility seen = probe_visibility(*placed.scene, viewpoints, viewpoints.grown(1), {.edge = 40});
+    found += std::any_of(seen.far_hits.begin(), seen.far_hits.end(),
+                         [&](const FarHit& hit) { return std::abs(hit.point.x - placed.at(plate).x) < 0.01; });
+  }
+  EXPECT_GE(2 * found, kScenes);
+}
+
 TEST(BoxVisibility, TheSkyIsWhereRaysEscape) {
   const PlacedScene placed = Blocks().quad({-50, -2, 50}, {100, 0, 0}, {0, 0, -100}, {90, 90, 90, 255}).build();
   const Box viewpoints = placed.at(test::cube({0, 0, 0}, 1));
