@@ -42,9 +42,12 @@ struct PromiseSlack {
   /// Share added for what no view of a shell is asked about: samples missing along rims, seams and in tiles too small to be worth
   /// sending. They are pixels wide, so their share goes with the pixel's pitch, here in its tangent units: 4e-4 at 720p.
   double void_per_pitch = 0.25;
-  /// The worst frame of plants, houses and streets so far was 3.1 dB below what its certificates expected.
+  /// The worst frame of plants, houses and streets was 3.1 dB below what its certificates expected; of 110 frames of 17 scenes
+  /// that had no part in setting this, 2 dB.
   double colour_db = 3.5;
-  double warp_factor = 1.0;
+  /// A frame that shows a part of a tile may show the part that moved most: the worst of 110 frames of 17 scenes exceeded its tiles'
+  /// percentiles by 7 %.
+  double warp_factor = 1.25;
 };
 
 /// How a client shows impostors.
