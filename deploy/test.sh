@@ -20,7 +20,7 @@ failed=0
 tests_of() {
   case $1 in
     release) echo '.' ;;
-    dev) echo '^(fuzz_.*|test_unit_common_(base|cells|codec|geometry|image|impostor|math|net|predict|shading|trace)|test_unit_server_(model|schedule|session|store)|test_unit_client_(decode|session|store|warp))$' ;;
+    dev) echo '^(fuzz_.*|test_unit_common_(base|cells|codec|geometry|image|impostor|math|net|predict|shading|trace)|test_unit_server_(model|schedule|session|store)|test_unit_client_(decode|near_cpu|session|store|warp))$' ;;
     tsan) echo '^(test_unit_server_(schedule|session|store)|test_unit_client_(session|store))$' ;;
     *) echo "test.sh: unknown preset $1: use release, dev or tsan" >&2; return 1 ;;
   esac
