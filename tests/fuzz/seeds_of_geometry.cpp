@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
-
-#include <jpeglib.h>
 
 #include "common/codec/texture_codec.h"
 #include "server/model/texture_file.h"
 #include "tests/fuzz/require.h"
 #include "tests/fuzz/seeds.h"
+#include "tests/support/small_jpeg.h"
 
 namespace farfield::fuzz {
 namespace {
@@ -43,31 +40,6 @@ std::vector<std::uint8_t> texels(int width, int height, bool is_opaque) {
   return writer.take();
 }
 
-/// As the library writes it, its errors end the program.
-Bytes jpeg_of(const std::vector<std::uint8_t>& rgba, int width, int height) {
-  jpeg_compress_struct info;
-  jpeg_error_mgr errors;
-  info.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&info);
-  unsigned char* data = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&info, &data, &size);
-  info.image_width = static_cast<JDIMENSION>(width), info.image_height = static_cast<JDIMENSION>(height);
-  info.input_components = 4, info.in_color_space = JCS_EXT_RGBX;
-  jpeg_set_defaults(&info);
-  jpeg_set_quality(&info, 60, TRUE);
-  jpeg_start_compress(&info, TRUE);
-  while (info.next_scanline < info.image_height) {
-    JSAMPROW row = const_cast<JSAMPROW>(&rgba[std::size_t{4} * info.next_scanline * info.image_width]);
-    jpeg_write_scanlines(&info, &row, 1);
-  }
-  jpeg_finish_compress(&info);
-  jpeg_destroy_compress(&info);
-  const Bytes bytes(data, data + size);
-  std::free(data);
-  return bytes;
-}
-
 }  // namespace
 
 void add_geometry_seeds(Seeds& seeds) {
@@ -87,7 +59,7 @@ void add_geometry_seeds(Seeds& seeds) {
   };
   add_png("opaque.png", 8, 5, true);
   add_png("with_alpha.png", 5, 8, false);
-  seeds.push_back({"texture_file", "opaque.jpg", jpeg_of(texels(16, 9, true), 16, 9)});
+  seeds.push_back({"texture_file", "opaque.jpg", test::small_jpeg(texels(16, 9, true), 16, 9, 60)});
   seeds.push_back({"texture_file", "run_length.tga", {0, 0, 10, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 2, 0, 32, 8, 0x81, 1, 2, 3, 255,
                                                       1, 4, 5, 6, 0, 7, 8, 9, 128, 0x83, 10, 11, 12, 255}});
   seeds.push_back({"texture_file", "mapped.tga", {0, 1, 1, 0, 0, 2, 0, 24, 0, 0, 0, 0, 2, 0, 2, 0, 8, 0x20, 0, 0, 0, 1, 2, 3, 0, 1, 1, 0}});

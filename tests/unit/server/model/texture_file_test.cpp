@@ -3,15 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-// jpeglib.h needs FILE to be declared before it.
-#include <jpeglib.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <random>
 
 #include "server/model/row_reducer.h"
 #include "temporary_folder.h"
+#include "tests/support/small_jpeg.h"
 
 namespace farfield {
 namespace {
@@ -27,25 +24,7 @@ TextureImage noise(int width, int height, bool has_alpha) {
 }
 
 Bytes jpeg_of(int width, int height, std::uint8_t level) {
-  jpeg_compress_struct info{};
-  jpeg_error_mgr errors{};
-  info.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&info);
-  unsigned char* memory = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&info, &memory, &size);
-  info.image_width = static_cast<JDIMENSION>(width), info.image_height = static_cast<JDIMENSION>(height);
-  info.input_components = 3, info.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&info);
-  jpeg_start_compress(&info, TRUE);
-  std::vector<std::uint8_t> row(static_cast<std::size_t>(width) * 3, level);
-  JSAMPROW pointer = row.data();
-  for (int y = 0; y < height; ++y) jpeg_write_scanlines(&info, &pointer, 1);
-  jpeg_finish_compress(&info);
-  jpeg_destroy_compress(&info);
-  Bytes bytes(memory, memory + size);
-  std::free(memory);
-  return bytes;
+  return test::small_jpeg(std::vector<std::uint8_t>(static_cast<std::size_t>(4 * width * height), level), width, height, 75);
 }
 
 TEST(TextureFile, PngComesBackExactly) {
