@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/visibility/box_visibility.h"
 
+#include "server/visibility/rim_rays.h"
 #include "server/visibility/sphere_rays.h"
 #include "server/visibility/standpoints.h"
 
@@ -45,25 +46,32 @@ class Probe {
   void look_from(const glm::dvec3& viewpoint, int enclosure, int edge) {
     Sight here;
     ChunkSet* near_here = enclosure < 0 ? nullptr : &near_of_[enclosure];
+    const auto note = [&](const RayPacket& rays, const HitPacket& hits, const double* weight) {
+      for (int lane = 0; lane < kPacketSize; ++lane) {
+        if (!(rays.active >> lane & 1)) continue;
+        if (hits.part[lane] == kNoHit) {
+          here.escapes = true;
+          here.sky.insert({rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]});
+          continue;
+        }
+        const glm::dvec3 point = hit_point(rays, hits, lane);
+        if (near_box_.contains(point)) {
+          const std::uint32_t chunk = scene_.chunk_of(hits.part[lane], hits.primitive[lane]);
+          near_.insert(chunk);
+          if (near_here) near_here->insert(chunk);
+        } else {
+          result_.far_hits.push_back(
+              {glm::vec3(point), static_cast<float>(weight[lane]), static_cast<std::int8_t>(enclosure)});
+        }
+      }
+    };
+    RimRays beside_rims(scene_, viewpoint, 2.0 / edge);
     cast_sphere(scene_, viewpoint, edge, jitter_of(result_.viewpoints), {},
                 [&](const RayPacket& rays, const HitPacket& hits, const double* weight) {
-                  for (int lane = 0; lane < kPacketSize; ++lane) {
-                    if (hits.part[lane] == kNoHit) {
-                      here.escapes = true;
-                      here.sky.insert({rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]});
-                      continue;
-                    }
-                    const glm::dvec3 point = hit_point(rays, hits, lane);
-                    if (near_box_.contains(point)) {
-                      const std::uint32_t chunk = scene_.chunk_of(hits.part[lane], hits.primitive[lane]);
-                      near_.insert(chunk);
-                      if (near_here) near_here->insert(chunk);
-                    } else {
-                      result_.far_hits.push_back(
-                          {glm::vec3(point), static_cast<float>(weight[lane]), static_cast<std::int8_t>(enclosure)});
-                    }
-                  }
+                  note(rays, hits, weight);
+                  if (settings_.is_thorough) beside_rims.look_between(rays, hits, weight, note);
                 });
+    beside_rims.finish(note);
     add(here, result_);
     if (enclosure >= 0) add(here, result_.enclosures[enclosure]);
     result_.is_cut_short =

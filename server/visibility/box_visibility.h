@@ -54,7 +54,8 @@ struct VisibilityProbe {
 /// nine others until one adds less than a hundredth to the near triangles; not converged after three: the box is too
 /// large against what stands in it to be spoken for by samples. Then from 108 more, a quarter of the rays from each; and
 /// each enclosure is looked at from kEnclosureViewpoints at least, as far as free ones are found. Directions are
-/// jittered by viewpoint with a fixed sequence: deterministic. Far hits are kept only for probes that run to their end.
+/// jittered by viewpoint with a fixed sequence: deterministic. Thorough probes send three rays more between neighbours that met
+/// different surfaces. Far hits are kept only for probes that run to their end.
 BoxVisibility probe_visibility(const Scene& scene, const Box& viewpoints, const Box& near_box,
                                const VisibilityProbe& probe);
 

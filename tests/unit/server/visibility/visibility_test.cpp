@@ -181,7 +181,7 @@ TEST(BoxVisibility, FarHitsAreBeyondTheNearBoxAndFillTheSphere) {
 
 // Plates of which only viewers in a few hundredths of the box see something, each through a hole in a wall. A ray meets most
 // of them, though the probe is coarse: tiles that hold such things would be missed by those who walk there.
-TEST(BoxVisibility, MostOfWhatShowsThroughGapsFromAFewPlacesIsFound) {
+TEST(BoxVisibility, NearlyAllThatShowsThroughGapsFromAFewPlacesIsFound) {
   constexpr int kScenes = 40;
   constexpr double kWall = 2, kPlateX = 6, kHole = 0.15, kPlate = 0.2;
   std::mt19937 random(7);
@@ -205,7 +205,7 @@ TEST(BoxVisibility, MostOfWhatShowsThroughGapsFromAFewPlacesIsFound) {
     found += std::any_of(seen.far_hits.begin(), seen.far_hits.end(),
                          [&](const FarHit& hit) { return std::abs(hit.point.x - placed.at(plate).x) < 0.01; });
   }
-  EXPECT_GE(2 * found, kScenes);
+  EXPECT_GE(10 * found, 9 * kScenes);  // without rays beside rims half of them
 }
 
 TEST(BoxVisibility, TheSkyIsWhereRaysEscape) {
