@@ -32,7 +32,7 @@ struct ImpostorSettings {
   Display display;                   // what tau and the sample rate are meant for
   /// P: the geometry budget. More means larger leaves: fewer bytes and errors as viewers walk, and voids and draw time that
   /// grow. 100000 takes twice the time in scenes that are small enough to fall into it whole.
-  std::uint32_t near_triangles = 50000;
+  std::uint32_t near_triangles = 60000;
   int delta_views = 8;               // at most
   double void_target = 6e-5;         // stop adding delta views below this share of the sphere
   int colour_quality = 80;           // 1 … 100, on the scale of JPEG
