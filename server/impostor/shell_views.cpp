@@ -5,6 +5,7 @@
 
 #include "common/cells/sampling.h"
 #include "server/impostor/held_points.h"
+#include "server/impostor/sample_density.h"
 #include "server/impostor/voronoi.h"
 #include "server/visibility/standpoints.h"
 
@@ -17,6 +18,10 @@ constexpr int kRefinements = 2;
 
 constexpr int kScattered = 16;  // candidates off the lattice: viewers walk at heights that it may miss
 
+// What a view sees so obliquely that its samples stretch over more than this many of the candidate's counts as void: a view just
+// below a floor says little to those who walk above it. At three the budget of views goes to slants where much hides behind much.
+constexpr double kLargestStretch = 4.0;
+
 // The R3 sequence (Roberts 2018) fills a box evenly.
 glm::dvec3 scattered_point(const Box& box, int index) {
   const glm::dvec3 place = glm::dvec3(0.8191725133961645, 0.6710436067037893, 0.5497004779019703) * static_cast<double>(index + 1);
@@ -25,7 +30,7 @@ glm::dvec3 scattered_point(const Box& box, int index) {
 
 // A surface point that a candidate sees in the shell and no view holds yet.
 struct Unheld {
-  glm::vec3 point;
+  glm::vec3 point, normal;  // the normal of any length
   float solid_angle;
 };
 
@@ -50,7 +55,8 @@ class ViewSearch {
                 [&](const RayPacket& rays, const HitPacket& hits, const double* weight) {
                   for (int lane = 0; lane < kPacketSize; ++lane)
                     if (hits.part[lane] != kNoHit)
-                      candidate.unheld.push_back({glm::vec3(hit_point(rays, hits, lane)), static_cast<float>(weight[lane])});
+                      candidate.unheld.push_back({glm::vec3(hit_point(rays, hits, lane)), {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]},
+                                                  static_cast<float>(weight[lane])});
                 });
     for (const glm::dvec3& view : views_) drop_held(candidate, view);
     candidates_.push_back(std::move(candidate));
@@ -71,7 +77,11 @@ class ViewSearch {
 
  private:
   void drop_held(Candidate& candidate, const glm::dvec3& view) const {
-    farfield::drop_held(scene_, space_, slack_, PointSpacing::kSparse, view, candidate.unheld, [](const Unheld&) {});
+    const auto is_stretched = [&](const Unheld& u) {
+      const glm::dvec3 point(u.point), normal(u.normal);
+      return slant_density(normal, point - candidate.position) > kLargestStretch * slant_density(normal, point - view);
+    };
+    farfield::drop_held(scene_, space_, slack_, PointSpacing::kSparse, view, candidate.unheld, is_stretched, [](const Unheld&) {});
     candidate.void_sr = 0;
     for (const Unheld& u : candidate.unheld) candidate.void_sr += u.solid_angle;
   }

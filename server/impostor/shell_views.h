@@ -3,7 +3,7 @@
 //
 // Based on: Wilson & Manocha 2003, section 3 (greedy choice of the candidate that sees the most void; candidates are
 // reachable corners, then vertices of the Voronoi diagram of the views so far). Differs: void is measured by rays, which
-// ask of a surface point directly whether some view sees it, instead of by drawing skins.
+// ask of a surface point directly whether some view sees it, and not far more obliquely, instead of by drawing skins.
 #pragma once
 
 #include <atomic>

@@ -5,6 +5,7 @@
 
 #include "server/impostor/connectivity.h"
 #include "server/impostor/held_points.h"
+#include "server/impostor/sample_density.h"
 
 namespace farfield {
 namespace {
@@ -143,12 +144,8 @@ void VoidFinder::drop_held_by_earlier(std::vector<OpenSample>& open) const {
         [&](const OpenSample& sample) { return stretches(sample.point, sample.normal, view); }, [](const OpenSample&) {});
 }
 
-// Sample density of a view on a surface element goes with cos/r² per solid angle: its root ratio of densities along
-// the direction of steepest slant is (cos/r) of one view against (cos/r) of the other.
 bool VoidFinder::stretches(const glm::dvec3& point, const glm::dvec3& normal, int earlier) const {
-  const glm::dvec3 from_here = point - frame_.position, from_there = point - views_[earlier];
-  const double here = std::abs(glm::dot(normal, from_here)) / glm::dot(from_here, from_here);
-  const double there = std::abs(glm::dot(normal, from_there)) / glm::dot(from_there, from_there);
+  const double here = slant_density(normal, point - frame_.position), there = slant_density(normal, point - views_[earlier]);
   return here > (earlier == kIntraView ? intra_stretch_ : kLargestStretch) * there;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // More rays where neighbours of a packet met different surfaces: what shows through gaps narrower than rays are apart.
 //
-// Based on: Wonka et al. 2006, Guided Visibility Sampling, section 4.1 (adaptive border sampling). Differs: rays are added
+// Based on: Wonka et al. 2006, Guided Visibility Sampling (adaptive border sampling). Differs: rays are added
 // between two of one viewpoint's grid instead of around the triangles that were hit.
 #pragma once
 

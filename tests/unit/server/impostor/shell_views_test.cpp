@@ -40,6 +40,16 @@ TEST(ShellViews, APillarNeedsDeltaViewsAndTheyFindWhatItHides) {
   }
 }
 
+// The first view sees all of the floor, from a hand's breadth below it.
+TEST(ShellViews, AFloorThatTheFirstViewOnlyGrazesNeedsAnotherFarFromIt) {
+  constexpr double kFloor = 0.0625;
+  const PlacedScene placed = test::Blocks().quad({2.75, kFloor, -4}, {0, 0, 8}, {8, 0, 0}, {150, 150, 150, 255}, 4).build();
+  const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
+  const ShellViews views = choose_views(*placed.scene, space, kSettings, ViewSearchWidth::kLeaf, nullptr);
+  ASSERT_GE(views.positions.size(), 2u);
+  EXPECT_GT(std::abs(views.positions[1].y - placed.at(glm::dvec3(0, kFloor, 0)).y), 0.3);
+}
+
 TEST(ShellViews, EveryFurtherViewLeavesLessVoid) {
   const PlacedScene placed = test::pillar_room().build();
   const CellSpace space = test::space_around(placed, {0, 0, 0}, 1.0);
