@@ -2,10 +2,12 @@
 #include "server/impostor/shell_needs.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "common/cells/sampling.h"
 #include "server/impostor/held_points.h"
+#include "server/impostor/sample_density.h"
 
 namespace farfield {
 namespace {
@@ -32,6 +34,15 @@ TileId tile_towards(const CellId& cell, int view, const glm::dvec3& direction, c
 // those of an intra tile, and there are many more that are hardly seen.
 constexpr double kLeastIntraShare = 1e-6, kLeastDeltaShare = 2e-7;
 
+// The most that slant_density() can be, seen from within `reach_m` of `from`: nobody there is farther from the plane, or nearer to
+// the point, than by that.
+double most_density(const FarHit& hit, const glm::dvec3& from, double reach_m) {
+  const glm::dvec3 normal(hit.normal), to_point = glm::dvec3(hit.point) - from;
+  const double nearest = glm::length(to_point) - reach_m;
+  if (nearest <= 0) return std::numeric_limits<double>::infinity();
+  return (std::abs(glm::dot(normal, to_point)) + glm::length(normal) * reach_m) / (nearest * nearest);
+}
+
 }  // namespace
 
 std::uint64_t tiles_of(const ImpostorSettings& settings, std::size_t views) {
@@ -50,19 +61,33 @@ ShellNeeds::ShellNeeds(const Scene& scene, CellSpace space, std::shared_ptr<cons
   slack_ = disparity_tolerance(glm::dvec3(0), settings.kappa, settings.tau_px, settings.display) * (0.5 + settings.kappa);
 }
 
+// Of each point the first view that holds it, and those later ones whose samples of it are so much denser that they keep them
+// (void_finder.h, by the same rule).
 void ShellNeeds::ask_delta_views() {
-  // Of each point the first view that holds it.
-  for (std::size_t view = 0; view < views_->positions.size() && !waiting_.empty(); ++view)
-    drop_held(scene_, space_, slack_, PointSpacing::kSparse, views_->positions[view], waiting_, [&](const FarHit& hit) {
-      mark(static_cast<int>(view), hit);
-    });
+  const std::vector<glm::dvec3>& positions = views_->positions;
+  std::vector<WaitingHit> held;
+  for (std::size_t view = 0; view < positions.size() && !waiting_.empty(); ++view) {
+    const auto density_of = [&](const WaitingHit& w) { return slant_density(glm::dvec3(w.normal), glm::dvec3(w.point) - positions[view]); };
+    double farthest = 0;  // of later views from this one
+    for (std::size_t later = view + 1; later < positions.size(); ++later) farthest = std::max(farthest, glm::distance(positions[view], positions[later]));
+    const double stretch = largest_stretch(settings_, static_cast<std::uint8_t>(view));
+    held.clear();
+    drop_held(scene_, space_, slack_, PointSpacing::kSparse, positions[view], waiting_,
+              [&](const WaitingHit& w) { return w.density_enough > 0 && density_of(w) <= w.density_enough; },
+              [&](const WaitingHit& w) {
+                mark(static_cast<int>(view), w, w.density_enough > 0);
+                const double enough = stretch * density_of(w);
+                if (most_density(w, positions[view], farthest) > enough) held.push_back({w, enough});
+              });
+    waiting_.insert(waiting_.end(), held.begin(), held.end());
+  }
   waiting_.clear();
 }
 
 void ShellNeeds::count_skips(LeafSkips& skips) const {
   std::set<TileId> seen;
   for (const auto& of_enclosure : seen_)
-    for (const auto& [id, solid_angle] : of_enclosure) seen.insert(id);
+    for (const auto& [id, here] : of_enclosure) seen.insert(id);
   skips.tiles_unseen += tiles_of(settings_, views_->positions.size()) - seen.size();
   for (const TileId& id : seen) skips.tiles_too_small += !is_worth_sending(id);
 }
@@ -73,8 +98,8 @@ void ShellNeeds::list(int enclosure, std::vector<NeededTile>& tiles) const {
   for (std::size_t k = 0; k < seen_.size(); ++k) {
     if (enclosure != kWhole && static_cast<std::size_t>(enclosure) + 1 != k) continue;
     viewpoints += viewpoints_[k];
-    for (const auto& [id, solid_angle] : seen_[k])
-      if (is_worth_sending(id)) seen[id] += solid_angle;
+    for (const auto& [id, here] : seen_[k])
+      if (is_worth_sending(id)) seen[id] += here.first;
   }
   const double spheres = kSphere * static_cast<double>(std::max<std::size_t>(1, viewpoints));
   std::vector<NeededTile> mine;
@@ -90,15 +115,18 @@ void ShellNeeds::list(int enclosure, std::vector<NeededTile>& tiles) const {
 bool ShellNeeds::is_worth_sending(const TileId& id) const {
   const double least = kSphere * (id.is_delta() ? kLeastDeltaShare : kLeastIntraShare);
   for (std::size_t k = 0; k < seen_.size(); ++k)
-    if (const auto found = seen_[k].find(id); found != seen_[k].end() && found->second >= least * static_cast<double>(viewpoints_[k])) return true;
+    if (const auto found = seen_[k].find(id);
+        found != seen_[k].end() && found->second.first + found->second.again >= least * static_cast<double>(viewpoints_[k]))
+      return true;
   return false;
 }
 
 // The probe sends some hundred rays into each tile from each of its viewpoints: what none of them met is too small to
 // be worth a tile.
-void ShellNeeds::mark(int view, const FarHit& hit) {
+void ShellNeeds::mark(int view, const FarHit& hit, bool is_held) {
   const glm::dvec3 direction = glm::dvec3(hit.point) - views_->positions[view];
-  seen_[static_cast<std::size_t>(hit.enclosure + 1)][tile_towards(space_.cell, view, direction, settings_)] += hit.solid_angle;
+  Seen& seen = seen_[static_cast<std::size_t>(hit.enclosure + 1)][tile_towards(space_.cell, view, direction, settings_)];
+  (is_held ? seen.again : seen.first) += hit.solid_angle;
 }
 
 }  // namespace farfield

@@ -25,7 +25,7 @@ class ShellNeeds {
              const BoxVisibility& sight);
 
   /// Requires: the hit lies in the shell.
-  void add(const FarHit& hit) { waiting_.push_back(hit); }
+  void add(const FarHit& hit) { waiting_.push_back({hit, 0}); }
   /// Once, when all hits are added.
   void ask_delta_views();
   int delta_views() const { return static_cast<int>(views_->positions.size()) - 1; }
@@ -37,18 +37,26 @@ class ShellNeeds {
   void list(int enclosure, std::vector<NeededTile>& tiles) const;
 
  private:
+  struct WaitingHit : FarHit {
+    double density_enough = 0;  // for views of no more slant_density() another, found before, stands in
+  };
+  // Solid angles, steradians summed over viewpoints.
+  struct Seen {
+    double first = 0;  // of what no earlier view holds: the tile's share of the view
+    double again = 0;  // of what one holds coarsely: a reason to send the tile, but not before what shows something new
+  };
   bool is_worth_sending(const TileId& id) const;
-  void mark(int view, const FarHit& hit);
+  void mark(int view, const FarHit& hit, bool is_held);
 
   const Scene& scene_;
   const CellSpace space_;
   const std::shared_ptr<const ShellViews> views_;
   const ImpostorSettings& settings_;
   double slack_;
-  std::vector<FarHit> waiting_;
+  std::vector<WaitingHit> waiting_;
   // Of viewpoints in no enclosure first, then by enclosure.
   std::vector<std::size_t> viewpoints_;
-  std::vector<std::map<TileId, double>> seen_;
+  std::vector<std::map<TileId, Seen>> seen_;
 };
 
 }  // namespace farfield

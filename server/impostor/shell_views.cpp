@@ -18,10 +18,6 @@ constexpr int kRefinements = 2;
 
 constexpr int kScattered = 16;  // candidates off the lattice: viewers walk at heights that it may miss
 
-// What a view sees so obliquely that its samples stretch over more than this many of the candidate's counts as void: a view just
-// below a floor says little to those who walk above it. At three the budget of views goes to slants where much hides behind much.
-constexpr double kLargestStretch = 4.0;
-
 // The R3 sequence (Roberts 2018) fills a box evenly.
 glm::dvec3 scattered_point(const Box& box, int index) {
   const glm::dvec3 place = glm::dvec3(0.8191725133961645, 0.6710436067037893, 0.5497004779019703) * static_cast<double>(index + 1);
@@ -58,12 +54,12 @@ class ViewSearch {
                       candidate.unheld.push_back({glm::vec3(hit_point(rays, hits, lane)), {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]},
                                                   static_cast<float>(weight[lane])});
                 });
-    for (const glm::dvec3& view : views_) drop_held(candidate, view);
+    for (std::size_t view = 0; view < views_.size(); ++view) drop_held(candidate, view);
     candidates_.push_back(std::move(candidate));
   }
   void add_view(const glm::dvec3& position) {
     views_.push_back(position);
-    for (Candidate& candidate : candidates_) drop_held(candidate, position);
+    for (Candidate& candidate : candidates_) drop_held(candidate, views_.size() - 1);
   }
   std::size_t worst() const {
     std::size_t best = 0;
@@ -76,12 +72,14 @@ class ViewSearch {
   const std::vector<glm::dvec3>& views() const { return views_; }
 
  private:
-  void drop_held(Candidate& candidate, const glm::dvec3& view) const {
+  // What the view merely grazes stays void: one just below a floor says little to those who walk above it.
+  void drop_held(Candidate& candidate, std::size_t view) const {
+    const double stretch = largest_stretch(settings_, static_cast<std::uint8_t>(view));
     const auto is_stretched = [&](const Unheld& u) {
       const glm::dvec3 point(u.point), normal(u.normal);
-      return slant_density(normal, point - candidate.position) > kLargestStretch * slant_density(normal, point - view);
+      return slant_density(normal, point - candidate.position) > stretch * slant_density(normal, point - views_[view]);
     };
-    farfield::drop_held(scene_, space_, slack_, PointSpacing::kSparse, view, candidate.unheld, is_stretched, [](const Unheld&) {});
+    farfield::drop_held(scene_, space_, slack_, PointSpacing::kSparse, views_[view], candidate.unheld, is_stretched, [](const Unheld&) {});
     candidate.void_sr = 0;
     for (const Unheld& u : candidate.unheld) candidate.void_sr += u.solid_angle;
   }

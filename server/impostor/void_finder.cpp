@@ -10,10 +10,6 @@
 namespace farfield {
 namespace {
 
-// Surfaces that an earlier view holds so obliquely that its samples stretch over more than this many of this view's count
-// as void. At two, up to a twentieth more bytes gain a few hundredths of a decibel.
-constexpr double kLargestStretch = 3.0;
-
 OpenSample open_at(const RayPacket& rays, const HitPacket& hits, int lane, int index) {
   return {hit_point(rays, hits, lane), {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]}, index};
 }
@@ -23,7 +19,7 @@ OpenSample open_at(const RayPacket& rays, const HitPacket& hits, int lane, int i
 VoidFinder::VoidFinder(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
             const ViewFrame& frame, const ImpostorSettings& settings, const VisibleBlocks* visible, double warp_gain, double slack)
     : scene_(scene), space_(space), views_(views), id_(id), frame_(frame), visible_(visible),
-      intra_stretch_(kLargestStretch * settings.edge_samples() / frame.edge_samples), one_sample_(connection_limits(frame, warp_gain).one_sample), slack_(slack) {
+      settings_(settings), one_sample_(connection_limits(frame, warp_gain).one_sample), slack_(slack) {
   const int blocks = (frame.edge_samples + kBlockSamples - 1) / kBlockSamples;
   columns_ = std::min(kRegionBlocks, blocks - id.x * kRegionBlocks);
   rows_ = std::min(kRegionBlocks, blocks - id.y * kRegionBlocks);
@@ -146,7 +142,7 @@ void VoidFinder::drop_held_by_earlier(std::vector<OpenSample>& open) const {
 
 bool VoidFinder::stretches(const glm::dvec3& point, const glm::dvec3& normal, int earlier) const {
   const double here = slant_density(normal, point - frame_.position), there = slant_density(normal, point - views_[earlier]);
-  return here > (earlier == kIntraView ? intra_stretch_ : kLargestStretch) * there;
+  return here > largest_stretch(settings_, static_cast<std::uint8_t>(earlier)) * there;
 }
 
 }  // namespace farfield

@@ -68,7 +68,7 @@ class VoidFinder {
   const TileId& id_;
   const ViewFrame& frame_;
   const VisibleBlocks* visible_;
-  const double intra_stretch_;  // the intra view has more samples
+  const ImpostorSettings& settings_;
   const double one_sample_;     // disparity that moves a point by a sample
   const double slack_;
   int columns_ = 0, rows_ = 0;

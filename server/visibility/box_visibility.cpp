@@ -61,7 +61,8 @@ class Probe {
           if (near_here) near_here->insert(chunk);
         } else {
           result_.far_hits.push_back(
-              {glm::vec3(point), static_cast<float>(weight[lane]), static_cast<std::int8_t>(enclosure)});
+              {glm::vec3(point), static_cast<float>(weight[lane]), static_cast<std::int8_t>(enclosure),
+               {hits.normal_x[lane], hits.normal_y[lane], hits.normal_z[lane]}});
         }
       }
     };

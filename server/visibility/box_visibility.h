@@ -18,6 +18,7 @@ struct FarHit {
   glm::vec3 point;             // scene frame
   float solid_angle = 0;       // steradians, of one viewpoint's ray
   std::int8_t enclosure = -1;  // of the viewpoint: index into BoxVisibility::enclosures, or none
+  glm::vec3 normal{0};         // of any length
 };
 
 /// What a set of viewpoints sees.
