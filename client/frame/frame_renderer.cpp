@@ -10,6 +10,7 @@
 #include "client/gl/framebuffer.h"
 #include "client/near_cpu/near_raster.h"
 #include "client/warp/cpu_warper.h"
+#include "client/warp/smooth_edges.h"
 
 namespace farfield::client {
 namespace {
@@ -58,6 +59,7 @@ struct FrameRenderer::State {
   std::unique_ptr<ImpostorRenderer> impostors;
   std::vector<std::uint8_t> colour;    // read back
   std::vector<float> depth;
+  EdgeSmoother edges;                  // of frames with one sample per pixel
   std::shared_ptr<const LeafView> drawn;
   std::unique_ptr<CpuWarper> warper;   // kCpu
   std::unique_ptr<NearRaster> raster;
@@ -116,6 +118,7 @@ void FrameRenderer::State::render_gl(const LeafView& leaf, const Pose& eye, Fram
                     {leaf.background_visible ? leaf.sky : DirectionMask(),
                      glm::dmat3(glm::mat3_cast(eye.world_from_camera)), display}},
                    frame);
+  if (options.samples_per_pixel == 1) edges.smooth(frame);
   frame.statistics.triangles_drawn = report.impostors.triangles;
   frame.statistics.tiles_drawn = report.impostors.tiles_drawn;
   report.times.resolve_ms = lap();
@@ -133,18 +136,17 @@ FrameRenderer::~FrameRenderer() = default;
 
 Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, const Display& display,
                                                              const FrameOptions& options, GlContext* context) {
-  FrameOptions chosen = options;
-  if (chosen.samples_per_pixel == FrameOptions::kChosen) chosen.samples_per_pixel = renderer == Renderer::kGl ? 4 : 1;
-  if (chosen.samples_per_pixel != 1 && chosen.samples_per_pixel != 4) {
-    return fail(ErrorCode::kInvalidArgument, "{} samples per pixel: 1 and 4 are possible", options.samples_per_pixel);
-  }
+  const int wanted = options.samples_per_pixel;
+  if (wanted != FrameOptions::kChosen && wanted != 1 && wanted != 4)
+    return fail(ErrorCode::kInvalidArgument, "{} samples per pixel: 1 and 4 are possible", wanted);
   std::unique_ptr<FrameRenderer> result(new FrameRenderer);
   result->state_ = std::make_unique<State>();
   State& s = *result->state_;
-  s.renderer = renderer, s.options = chosen;
+  s.renderer = renderer, s.options = options;
+  if (wanted == FrameOptions::kChosen) s.options.samples_per_pixel = 1;
   if (renderer == Renderer::kCpu) {
     if (Status made = s.make_target(display); !made) return tl::unexpected<Error>(made.error());
-    s.warper = std::make_unique<CpuWarper>(CpuWarperOptions{chosen.samples_per_pixel, options.cpu_threads});
+    s.warper = std::make_unique<CpuWarper>(CpuWarperOptions{s.options.samples_per_pixel, options.cpu_threads});
     s.raster = std::make_unique<NearRaster>(options.near);
     return result;
   }
@@ -155,6 +157,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, 
     context = s.own_context.get();
   }
   s.abilities = context->abilities();
+  if (wanted == FrameOptions::kChosen && !s.abilities.is_software) s.options.samples_per_pixel = 4;
   if (Status made = s.make_target(display); !made) return tl::unexpected<Error>(made.error());
   Result<std::unique_ptr<NearRenderer>> near = NearRenderer::create(s.abilities, options.near);
   if (!near) return tl::unexpected<Error>(near.error());

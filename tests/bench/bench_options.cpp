@@ -61,7 +61,7 @@ tl::expected<ParsedCommand, int> parse_command(int argc, const char* const* argv
   app.add_option("--link", bench.link, "none, or rate=20mbit,delay=50ms,jitter=20ms,loss=0.1%")->capture_default_str();
   load.add_to(app);
   app.add_option("--threads", bench.threads, "that make tiles; 0: one per processor")->check(whole_number_between(0, 1024))->capture_default_str();
-  app.add_option("--client-samples", bench.client_samples, "samples per pixel of the client; 0: 4 by gl, 1 on the cpu")->check(CLI::IsMember({0, 1, 4}))->capture_default_str();
+  app.add_option("--client-samples", bench.client_samples, "samples per pixel of the client; 0: 4 on a GPU, else 1")->check(CLI::IsMember({0, 1, 4}))->capture_default_str();
   add_quality_options(app, bench.settings);
   app.add_flag("!--no-realtime", bench.is_realtime_wanted, "lockstep only");
   app.add_flag("--explain", bench.explains, "print what Farfield's server skipped and why, per cell of the walk, and what that saved");

@@ -155,21 +155,24 @@ TEST_P(FrameRendererTest, TheSkyIsTheSkyWhereItCanBeSeen) {
   EXPECT_EQ(frame_.statistics.background_pixels, 0u);
 }
 
-TEST_P(FrameRendererTest, FourSamplesMixEdgesInLinearLight) {
-  FrameOptions options;
-  options.samples_per_pixel = 4;
+TEST_P(FrameRendererTest, EdgesAreMixedWithFourSamplesAndWithOne) {
   auto leaf = scene(wall_tile(60, kNoHole, 1));
   leaf->chunks.push_back(board());
-  // Turned about the view axis, so that the board's edges cross pixels.
-  make(options)->render(leaf, {{0, 0, 0}, glm::dquat(glm::dvec3(0, 0, 0.3))}, frame_);
-  ASSERT_EQ(frame_.pixels(), 120u * 90);
-  EXPECT_EQ(frame_.statistics.background_pixels, 0u);
   const int white = linear_to_srgb(vertex_light({0, 0, 1}));
-  int between = 0;
-  for (std::size_t p = 0; p < frame_.pixels(); ++p)
-    between += frame_.rgba[4 * p + 2] > 100 && frame_.rgba[4 * p + 2] < white - 5;
-  EXPECT_GT(between, 20);
-  EXPECT_LT(between, 400);
+  for (const int samples : {1, 4, FrameOptions::kChosen}) {
+    SCOPED_TRACE(samples);
+    FrameOptions options;
+    options.samples_per_pixel = samples;
+    // Turned about the view axis, so that the board's edges cross pixels.
+    make(options)->render(leaf, {{0, 0, 0}, glm::dquat(glm::dvec3(0, 0, 0.3))}, frame_);
+    ASSERT_EQ(frame_.pixels(), 120u * 90);
+    EXPECT_EQ(frame_.statistics.background_pixels, 0u);
+    int between = 0;
+    for (std::size_t p = 0; p < frame_.pixels(); ++p)
+      between += frame_.rgba[4 * p + 2] > 100 && frame_.rgba[4 * p + 2] < white - 5;
+    EXPECT_GT(between, 20);
+    EXPECT_LT(between, 400);
+  }
 }
 
 TEST_P(FrameRendererTest, NoLeafSetYetIsTheBackground) {
