@@ -43,6 +43,7 @@ FrameOptions frame_options(const Parts& parts) {
   constexpr std::size_t kUploadBytes = std::size_t{16} << 20;
   FrameOptions frame;
   frame.samples_per_pixel = parts.options.samples_per_pixel;
+  frame.fade_seconds = parts.options.fade_s;
   if (!parts.options.is_lockstep) frame.frame_upload_bytes = kUploadBytes;
   frame.background = parts.scene.frame.background;
   return frame;

@@ -55,7 +55,7 @@ Status Run::wait_complete(const glm::dvec3& eye) {
 Status Run::draw(const TraceFrame& at) {
   const Pose eye = scene_.scene_from_world(at.pose);
   const std::shared_ptr<const LeafView> view = core_.view();
-  const FrameReport drawn = renderer_.render(view, eye, frame_);
+  const FrameReport drawn = renderer_.render(view, eye, frame_, at.time_s);
   core_.count_frame(view.get(), eye.position);
   if (drawn.drawn) promised_.add(renderer_.promise(*drawn.drawn, eye));
   times_.add(drawn.times.total_ms);

@@ -97,6 +97,9 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
       ->envname("FARFIELD_RENDERER")
       ->default_str("auto");
   app.add_option("--samples", options.samples_per_pixel, "Samples per pixel; 0: 4 on a GPU, else 1")->check(CLI::IsMember({0, 1, 4}))->capture_default_str();
+  app.add_option("--fade", options.fade_s, "Seconds in which one cell's impostors give way to the next one's; frames take twice as long meanwhile; 0: at once")
+      ->check(number_between(0, 10))
+      ->capture_default_str();
   app.add_option("--size", size, "Image size, WIDTHxHEIGHT")
       ->check(storing([&](const std::string& text) { return parse_size(text, options.display); }))
       ->default_str("1280x720");

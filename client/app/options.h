@@ -33,6 +33,7 @@ struct ProgramOptions {
   double frames_per_second = 60;         // real time: no more than this; 0: as many as it can
   RendererChoice renderer = RendererChoice::kAuto;
   int samples_per_pixel = 0;  // 0: the renderer's choice
+  double fade_s = 0.25;       // from one leaf set to the next
   Display display;
   std::size_t memory_bytes = std::size_t{448} << 20;
   double timeout_s = 60;                 // for the welcome, and for a leaf set in lockstep

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "client/frame/leaf_fade.h"
+#include "client/frame/mix_frames.h"
 #include "client/frame/resolve_gl_frame.h"
 #include "client/gl/framebuffer.h"
 #include "client/near_cpu/near_raster.h"
@@ -63,10 +65,15 @@ struct FrameRenderer::State {
   std::shared_ptr<const LeafView> drawn;
   std::unique_ptr<CpuWarper> warper;   // kCpu
   std::unique_ptr<NearRaster> raster;
+  LeafFade fade{0};
+  Frame former;                        // while a leaf set fades: its frame
 
   Status make_target(const Display& size);
   void render_cpu(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report);
   void render_gl(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report);
+  void render_leaf(const LeafView& leaf, const Pose& eye, Frame& frame, FrameReport& report) {
+    renderer == Renderer::kCpu ? render_cpu(leaf, eye, frame, report) : render_gl(leaf, eye, frame, report);
+  }
 };
 
 Status FrameRenderer::State::make_target(const Display& size) {
@@ -142,7 +149,7 @@ Result<std::unique_ptr<FrameRenderer>> FrameRenderer::create(Renderer renderer, 
   std::unique_ptr<FrameRenderer> result(new FrameRenderer);
   result->state_ = std::make_unique<State>();
   State& s = *result->state_;
-  s.renderer = renderer, s.options = options;
+  s.renderer = renderer, s.options = options, s.fade = LeafFade(options.fade_seconds);
   if (wanted == FrameOptions::kChosen) s.options.samples_per_pixel = 1;
   if (renderer == Renderer::kCpu) {
     if (Status made = s.make_target(display); !made) return tl::unexpected<Error>(made.error());
@@ -172,7 +179,7 @@ Status FrameRenderer::resize(const Display& display) {
   return state_->make_target(display);
 }
 
-FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Pose& eye, Frame& frame) {
+FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Pose& eye, Frame& frame, std::optional<double> time_s) {
   State& s = *state_;
   FrameReport report;
   Lap total;
@@ -197,10 +204,14 @@ FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Po
     }
   }
   if (!is_empty) report.drawn = leaf;
-  if (s.renderer == Renderer::kCpu) {
-    s.render_cpu(*leaf, eye, frame, report);
-  } else {
-    s.render_gl(*leaf, eye, frame, report);
+  const LeafFade::Mix mix = s.fade.next(leaf, eye.position, time_s);
+  s.render_leaf(*mix.shown, eye, frame, report);
+  if (mix.former) {
+    Lap lap;
+    FrameReport former;
+    s.render_leaf(*mix.former, eye, s.former, former);
+    mix_frames(s.former, mix.share, frame);
+    report.drawn_share = mix.share, report.times.former_ms = lap();
   }
   report.times.total_ms = total();
   return report;

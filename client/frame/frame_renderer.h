@@ -6,6 +6,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <memory>
 
 #include "client/frame/promise.h"
@@ -34,6 +35,9 @@ struct FrameOptions {
   /// before it. Unlimited where every frame must show its own leaf set (lockstep).
   std::size_t frame_upload_bytes = std::numeric_limits<std::size_t>::max();
   glm::u8vec3 background{176, 200, 224};  // sRGB, while there is no leaf set
+  /// A leaf set gives way to the next one in this time (leaf_fade.h), frames of which take twice as long; 0: at once. At 60
+  /// frames a second 15 frames share what would otherwise change within one.
+  double fade_seconds = 0.25;
   NearOptions near;
   ImpostorOptions impostors;
 };
@@ -48,6 +52,7 @@ struct FrameTimes {
   double impostors_ms = 0;  // upload and draw impostors (kCpu: draw all, with cracks and voids)
   double read_back_ms = 0;  // kGl
   double resolve_ms = 0;  // kGl: classes, cracks, voids
+  double former_ms = 0;   // draw the leaf set that fades, and mix; the parts above are of the other
   double total_ms = 0;    // from the pose to the finished image
 };
 
@@ -56,7 +61,8 @@ struct FrameReport {
   ImpostorStatistics impostors;  // kGl
   FrameTimes times;
   bool is_previous_leaf = false;          // the new leaf set is still being uploaded
-  std::shared_ptr<const LeafView> drawn;  // null: background only
+  std::shared_ptr<const LeafView> drawn;  // null: background only. While leaf sets fade: the newest
+  double drawn_share = 1;                 // less than 1: two leaf sets were mixed
 };
 
 class FrameRenderer {
@@ -70,8 +76,9 @@ class FrameRenderer {
   /// Errors: kLimitExceeded; the old size stays in use.
   Status resize(const Display& display);
 
-  /// Draws into `frame`; reusing one saves allocations. `leaf` may be null: background only. `eye`: scene frame.
-  FrameReport render(std::shared_ptr<const LeafView> leaf, const Pose& eye, Frame& frame);
+  /// Draws into `frame`; reusing one saves allocations. `leaf` may be null: background only. `eye`: scene frame. `time_s`: of
+  /// any clock that does not run back, for fading; without it a new leaf set is shown at once.
+  FrameReport render(std::shared_ptr<const LeafView> leaf, const Pose& eye, Frame& frame, std::optional<double> time_s = {});
 
   /// What the certificates of `leaf` promise for a frame drawn of it with these options.
   FramePromise promise(const LeafView& leaf, const Pose& eye) const;

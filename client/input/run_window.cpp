@@ -148,7 +148,7 @@ Result<WindowSummary> WindowLoop::run() {
     recorder_.add(time_s, pose);
     source_.set_pose(pose, time_s);
     if (window_.width() == 0 || window_.height() == 0) continue;  // minimised: nothing to show
-    const FrameReport report = renderer_.render(source_.view(), pose, frame);
+    const FrameReport report = renderer_.render(source_.view(), pose, frame, time_s);
     window_.show(frame);
     clock_.add(report.times.total_ms);
     if (source_.count_frame && source_.count_frame(report.drawn.get(), pose.position)) ++summary_.late_frames;

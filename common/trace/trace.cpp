@@ -37,6 +37,7 @@ Pose pose_at(const Trace& trace, double time_s) {
 Result<Trace> resampled(const Trace& trace, std::size_t count) {
   if (trace.frames.empty()) return fail(ErrorCode::kInvalidArgument, "trace has no frames to resample");
   if (count < 1) return fail(ErrorCode::kInvalidArgument, "a trace cannot be resampled to no frames: ask for at least 1");
+  if (count == trace.frames.size()) return trace;
   Trace result;
   result.scene = trace.scene;
   if (trace.frames.size() == 1 || count == 1) {

@@ -29,7 +29,7 @@ struct Trace {
 Pose pose_at(const Trace& trace, double time_s);
 
 /// `count` frames evenly spaced over the trace's time, the first and last included.
-/// One frame is the first. Errors: kInvalidArgument if the trace is empty or count < 1.
+/// One frame is the first; as many as the trace has are the trace itself, however it is spaced. Errors: kInvalidArgument if the trace is empty or count < 1.
 Result<Trace> resampled(const Trace& trace, std::size_t count);
 
 /// What a trace is, in numbers. Speeds are between successive frames.

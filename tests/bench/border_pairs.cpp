@@ -13,9 +13,11 @@ namespace {
 
 constexpr double kStepSeconds = 1.0 / 60;  // between frames of a common display
 
-void add_evenly(const std::vector<std::size_t>& from, std::size_t count, bool is_crossing, std::vector<BorderPair>& out) {
+std::vector<std::size_t> pick_evenly(const std::vector<std::size_t>& from, std::size_t count) {
   count = std::min(count, from.size());
-  for (std::size_t k = 0; k < count; ++k) out.push_back({from[(2 * k + 1) * from.size() / (2 * count)], is_crossing});
+  std::vector<std::size_t> picked;
+  for (std::size_t k = 0; k < count; ++k) picked.push_back(from[(2 * k + 1) * from.size() / (2 * count)]);
+  return picked;
 }
 
 std::filesystem::path truth_path(const ScratchFolder& folder, std::size_t index) {
@@ -35,10 +37,18 @@ Status write_bytes(const std::filesystem::path& file, const std::vector<std::uin
 std::vector<BorderPair> pick_border_pairs(std::span<const CellId> leaf_of_step, std::size_t count) {
   std::vector<std::size_t> crossing, inside;
   for (std::size_t k = 0; k + 1 < leaf_of_step.size(); ++k) (leaf_of_step[k] == leaf_of_step[k + 1] ? inside : crossing).push_back(k);
+  using Place = BorderPair::Place;
+  // One place after the other, so that what belongs to a crossing follows it.
+  std::vector<BorderPair> places;
+  for (const std::size_t step : pick_evenly(crossing, count)) places.push_back({step, Place::kCrossing});
+  for (const std::size_t step : pick_evenly(inside, count)) places.push_back({step, Place::kInside});
+  std::sort(places.begin(), places.end(), [](const BorderPair& a, const BorderPair& b) { return a.step < b.step; });
   std::vector<BorderPair> pairs;
-  add_evenly(crossing, count, true, pairs);
-  add_evenly(inside, count, false, pairs);
-  std::sort(pairs.begin(), pairs.end(), [](const BorderPair& a, const BorderPair& b) { return a.step < b.step; });
+  for (const BorderPair& place : places) {
+    pairs.push_back(place);
+    const std::size_t after = place.step + kStepsAfterCrossing;
+    if (place.place == Place::kCrossing && after + 1 < leaf_of_step.size()) pairs.push_back({after, Place::kAfterCrossing});
+  }
   return pairs;
 }
 
@@ -70,14 +80,25 @@ Result<BorderPairs> BorderPairs::create(const Scene& scene, const ViewerCells& c
 
 Trace BorderPairs::trace() const {
   Trace trace;
-  for (const Pose& pose : poses_)
-    trace.frames.push_back({static_cast<double>(trace.frames.size()), {pose.position + scene_origin_, pose.world_from_camera}});
+  double start_s = 0;         // of a place
+  std::size_t first_step = 0;
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    if (pairs_[p].place != BorderPair::Place::kAfterCrossing) {
+      start_s = trace.frames.empty() ? 0 : trace.frames.back().time_s + 1;
+      first_step = pairs_[p].step;
+    }
+    for (const std::size_t side : {0, 1}) {
+      const Pose& pose = poses_[2 * p + side];
+      const double time_s = start_s + kStepSeconds * static_cast<double>(pairs_[p].step + side - first_step);
+      trace.frames.push_back({time_s, {pose.position + scene_origin_, pose.world_from_camera}});
+    }
+  }
   return trace;
 }
 
 Result<BorderFlip> BorderPairs::judge(const Display& display,
                                       const std::function<Result<std::vector<std::uint8_t>>(std::size_t)>& rgb_of) const {
-  std::vector<double> crossing, inside;
+  std::array<std::vector<double>, 3> changes;  // by place
   Image8 wanted(display.width, display.height, 3), seen = wanted;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     double error[2];
@@ -91,9 +112,10 @@ Result<BorderFlip> BorderPairs::judge(const Display& display,
       seen.values = std::move(*rgb);
       error[side] = flip(wanted, seen).mean;
     }
-    (pairs_[p].is_crossing ? crossing : inside).push_back(std::abs(error[1] - error[0]));
+    changes[static_cast<std::size_t>(pairs_[p].place)].push_back(std::abs(error[1] - error[0]));
   }
-  return BorderFlip{percentile(inside, 0.99), percentile(crossing, 0.99)};
+  const auto p99 = [&](BorderPair::Place place) { return percentile(changes[static_cast<std::size_t>(place)], 0.99); };
+  return BorderFlip{p99(BorderPair::Place::kInside), p99(BorderPair::Place::kCrossing), p99(BorderPair::Place::kAfterCrossing)};
 }
 
 }  // namespace farfield::bench

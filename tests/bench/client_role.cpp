@@ -59,8 +59,9 @@ class Walker {
       if (k == 0) walk.entry_seconds = seconds_since(start);
       client::Frame frame;
       wait_for_quiet();
-      renderer_.render(*view, eye, frame);
-      const client::FrameReport report = renderer_.render(*view, eye, frame);
+      const double time_s = sampled->frames[k].time_s;
+      renderer_.render(*view, eye, frame, time_s);
+      const client::FrameReport report = renderer_.render(*view, eye, frame, time_s);
       std::cout << kGoOn << std::endl;
       core_.count_frame(view->get(), eye.position);
       shown_ = *view;
@@ -92,7 +93,7 @@ class Walker {
       const Pose eye = scene_.scene_from_world(world);
       core_.set_pose(eye, now);
       const std::shared_ptr<const client::LeafView> view = core_.view();
-      const client::FrameReport report = renderer_.render(view, eye, frame);
+      const client::FrameReport report = renderer_.render(view, eye, frame, now);
       core_.count_frame(report.drawn.get(), eye.position);
       record(walk, report, frame);
       walk.blank += report.drawn == nullptr;

@@ -45,6 +45,7 @@ struct KeptPromise {
 /// How much the mean FLIP against truth changes from a frame to the next (border_pairs.h).
 struct BorderFlip {
   double inside_p99 = kNone, crossing_p99 = kNone;
+  double after_crossing_p99 = kNone;  // in the quarter second after the border
 };
 
 /// What a skip spared the server or the link; NaN where that is not what it saves.

@@ -60,7 +60,7 @@ nlohmann::json to_json(const MethodResult& m) {
                            {"warp_px", value(m.certificate.warp_px)}, {"holds_share", value(m.certificate.holds_share)},
                            {"void_slack", value(m.certificate.void_slack)}, {"psnr_slack_db", value(m.certificate.psnr_slack_db)},
                            {"warp_slack_px", value(m.certificate.warp_slack_px)}, {"frames", promises_json(m.kept_promises)}}},
-          {"border_flip", {{"inside_p99", value(m.border_flip.inside_p99)}, {"crossing_p99", value(m.border_flip.crossing_p99)}}},
+          {"border_flip", {{"inside_p99", value(m.border_flip.inside_p99)}, {"crossing_p99", value(m.border_flip.crossing_p99)}, {"after_crossing_p99", value(m.border_flip.after_crossing_p99)}}},
           {"skipped", skipped},
           {"savings", savings}};
 }
@@ -126,6 +126,7 @@ void print_table(const std::vector<MethodResult>& methods, std::ostream& out) {
       {"SSIM", "{:.4f}", [](const MethodResult& m) { return m.error.ssim_mean; }},
       {"FLIP", "{:.4f}", [](const MethodResult& m) { return m.error.flip_mean; }},
       {"crossing", "{:.4f}", [](const MethodResult& m) { return m.border_flip.crossing_p99; }},
+      {"after", "{:.4f}", [](const MethodResult& m) { return m.border_flip.after_crossing_p99; }},
       {"inside", "{:.4f}", [](const MethodResult& m) { return m.border_flip.inside_p99; }},
       {"void %", "{:.4f}", [](const MethodResult& m) { return 100 * m.error.void_mean; }},
       {"max %", "{:.4f}", [](const MethodResult& m) { return 100 * m.error.void_max; }},

@@ -24,18 +24,18 @@ TEST(Report, MethodsHaveCertificateAndBorderFlipNullWhereThereIsNone) {
   MethodResult known;
   known.name = "known";
   known.certificate = {.void_share = 1e-5, .psnr_db = 35, .warp_px = 0.5, .holds_share = 1};
-  known.border_flip = {.inside_p99 = 0.001, .crossing_p99 = 0.002};
+  known.border_flip = {.inside_p99 = 0.001, .crossing_p99 = 0.002, .after_crossing_p99 = 0.003};
   const nlohmann::json json = to_json(world(), {known, {.name = "unknown"}}, {});
   EXPECT_EQ(json.at("format"), "farfield-bench/1");
   const nlohmann::json& first = json.at("methods").at(0);
   EXPECT_EQ(first.at("certificate"), (nlohmann::json{{"void_share", 1e-5}, {"psnr_db", 35.0}, {"warp_px", 0.5}, {"holds_share", 1.0},
                                                           {"void_slack", nullptr}, {"psnr_slack_db", nullptr}, {"warp_slack_px", nullptr},
                                                           {"frames", nlohmann::json::array()}}));
-  EXPECT_EQ(first.at("border_flip"), (nlohmann::json{{"inside_p99", 0.001}, {"crossing_p99", 0.002}}));
+  EXPECT_EQ(first.at("border_flip"), (nlohmann::json{{"inside_p99", 0.001}, {"crossing_p99", 0.002}, {"after_crossing_p99", 0.003}}));
   const nlohmann::json& second = json.at("methods").at(1);
   for (const char* key : {"void_share", "psnr_db", "warp_px", "holds_share"})
     EXPECT_TRUE(second.at("certificate").at(key).is_null()) << key;
-  for (const char* key : {"inside_p99", "crossing_p99"}) EXPECT_TRUE(second.at("border_flip").at(key).is_null()) << key;
+  for (const char* key : {"inside_p99", "crossing_p99", "after_crossing_p99"}) EXPECT_TRUE(second.at("border_flip").at(key).is_null()) << key;
 }
 
 TEST(Report, CurvesHaveTheirPoints) {

@@ -41,7 +41,7 @@ TEST(ClientOptions, EverythingCanBeSaid) {
   const Parsed parsed = parse({"--connect", "[::1]:7443", "--scene", "clinic", "--headless", "--lockstep", "--frames",
                                "12", "--frames-dir", "out", "--size", "640x360", "--fovy", "90", "--memory", "64MiB",
                                "--renderer", "gl", "--link", "rate=20mbit,delay=40ms", "--record", "walk.trace",
-                               "--samples", "4", "--json", "-q"});
+                               "--samples", "4", "--fade", "0.5", "--json", "-q"});
   ASSERT_TRUE(parsed.options) << parsed.talk;
   const ProgramOptions& options = *parsed.options;
   EXPECT_EQ(options.server.host, "::1");
@@ -55,6 +55,7 @@ TEST(ClientOptions, EverythingCanBeSaid) {
   EXPECT_EQ(options.renderer, RendererChoice::kGl);
   EXPECT_NEAR(options.link.rate_bits_per_second, 20e6, 1);
   EXPECT_EQ(options.samples_per_pixel, 4);
+  EXPECT_EQ(options.fade_s, 0.5);
   EXPECT_TRUE(options.is_json);
 }
 
@@ -76,6 +77,7 @@ TEST(ClientOptions, WhatCannotBeMeantIsTwoAndNamesTheOption) {
       {{"--fovy", "180"}, "--fovy"},
       {{"--connect", "host:port"}, "--connect"},
       {{"--link", "rate=fast"}, "--link"},
+      {{"--fade", "-1"}, "--fade"},
       {{"--memory", "10"}, "--memory"},
       {{"--trace", "no-such-file.trace"}, "no-such-file.trace"},
       {{"--lockstep"}, "--headless"},

@@ -218,6 +218,29 @@ TEST_P(FrameRendererTest, ImpossibleSamplesAreOneClearLine) {
   EXPECT_EQ(renderer.error().message, "3 samples per pixel: 1 and 4 are possible");
 }
 
+TEST_P(FrameRendererTest, OneLeafSetFadesIntoTheNext) {
+  // The board is in the second set only: its colour comes up frame by frame on the wall's.
+  const auto first = scene(wall_tile(20, kNoHole, 1)), second = scene(wall_tile(20, kNoHole, 1));
+  second->leaf.x = 7;
+  second->chunks.push_back(board());
+  auto renderer = make();
+  const std::size_t on_board = 4 * pixel_of(0.4, 0.3, -1.5);
+  const auto shown_at = [&](const std::shared_ptr<LeafView>& leaf, double time_s) {
+    const FrameReport report = renderer->render(leaf, {}, frame_, time_s);
+    EXPECT_EQ(report.times.former_ms > 0, report.drawn_share < 1);
+    return int{frame_.rgba[on_board + 2]};
+  };
+  const int wall = shown_at(first, 0), middle = shown_at(second, 0.125), board_colour = shown_at(second, 0.3);
+  ASSERT_GT(board_colour, wall + 50);
+  EXPECT_NEAR(middle, (wall + board_colour) / 2, 1);
+  EXPECT_EQ(shown_at(second, 0.4), board_colour);
+  // Where nobody says what time it is, sets are shown at once.
+  auto timeless = make();
+  timeless->render(first, {}, frame_);
+  timeless->render(second, {}, frame_);
+  EXPECT_EQ(frame_.rgba[on_board + 2], board_colour);
+}
+
 INSTANTIATE_TEST_SUITE_P(Both, FrameRendererTest, testing::Values(Renderer::kCpu, Renderer::kGl),
                          [](const auto& info) { return info.param == Renderer::kCpu ? "Cpu" : "Gl"; });
 
