@@ -192,7 +192,7 @@ FrameReport FrameRenderer::render(std::shared_ptr<const LeafView> leaf, const Po
     leaf = empty;
   } else if (s.renderer == Renderer::kGl) {
     Lap lap;
-    const auto upload = s.impostors->upload(*leaf, s.options.frame_upload_bytes);
+    const auto upload = s.impostors->upload(*leaf, s.options.frame_upload_bytes, s.fade.in_use(time_s));
     report.times.impostors_ms = lap();
     // A fuller version of what is drawn already is better even while it is being uploaded.
     const bool is_refinement = s.drawn && s.drawn->is_same_set(*leaf);

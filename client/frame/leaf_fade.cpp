@@ -23,6 +23,14 @@ bool LeafFade::may_fade(const LeafView& newest, std::optional<double> time_s) co
   return seconds_ > 0 && time_s && last_s_ && *time_s >= *last_s_ && shown_ && is_whole(newest) && is_whole(*shown_);
 }
 
+std::vector<std::shared_ptr<const LeafView>> LeafFade::in_use(std::optional<double> time_s) const {
+  std::vector<std::shared_ptr<const LeafView>> result;
+  if (seconds_ <= 0 || !time_s) return result;
+  for (const auto& leaf : {shown_, former_})
+    if (leaf) result.push_back(leaf);
+  return result;
+}
+
 LeafFade::Mix LeafFade::next(const std::shared_ptr<const LeafView>& newest, const glm::dvec3& eye, std::optional<double> time_s) {
   if (!may_fade(*newest, time_s)) {
     former_ = nullptr, shown_ = newest, last_s_ = time_s;

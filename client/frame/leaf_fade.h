@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "client/store/leaf_view.h"
 
@@ -32,6 +33,9 @@ class LeafFade {
   /// once, and so are sets that are not complete and fallback views: who sees these waits for what comes after. A set that
   /// arrives during a fade has its turn when that has ended, as where an eye cuts the corner of a cell.
   Mix next(const std::shared_ptr<const LeafView>& newest, const glm::dvec3& eye, std::optional<double> time_s);
+
+  /// What next() may give as `former`, none of them null: what has to stay drawable. Empty where nothing fades.
+  std::vector<std::shared_ptr<const LeafView>> in_use(std::optional<double> time_s) const;
 
  private:
   bool may_fade(const LeafView& newest, std::optional<double> time_s) const;

@@ -164,8 +164,9 @@ Result<std::unique_ptr<ImpostorRenderer>> ImpostorRenderer::create(const GlAbili
   return result;
 }
 
-ImpostorRenderer::Upload ImpostorRenderer::upload(const LeafView& leaf, std::size_t frame_upload_bytes) {
-  const UploadResult result = state_->store.upload(leaf, frame_upload_bytes);
+ImpostorRenderer::Upload ImpostorRenderer::upload(const LeafView& leaf, std::size_t frame_upload_bytes,
+                                                  std::span<const std::shared_ptr<const LeafView>> in_use) {
+  const UploadResult result = state_->store.upload(leaf, frame_upload_bytes, in_use);
   return {result.is_complete, result.uploaded_bytes, result.refused_tiles};
 }
 

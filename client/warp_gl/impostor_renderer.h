@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include "client/gl/gl_context.h"
 #include "client/gl/view_transform.h"
@@ -42,8 +43,10 @@ class ImpostorRenderer {
     std::uint64_t bytes = 0;
     std::uint32_t refused_tiles = 0;
   };
-  /// Uploads what the leaf set still lacks, nearest shell first, up to about `frame_upload_bytes`.
-  Upload upload(const LeafView& leaf, std::size_t frame_upload_bytes = std::numeric_limits<std::size_t>::max());
+  /// Begins a frame: uploads what the leaf set still lacks, nearest shell first, up to about `frame_upload_bytes`. What is here
+  /// of `in_use`, none of them null, stays for this frame to draw, even beyond the budget.
+  Upload upload(const LeafView& leaf, std::size_t frame_upload_bytes = std::numeric_limits<std::size_t>::max(),
+                std::span<const std::shared_ptr<const LeafView>> in_use = {});
 
   /// Draws what is uploaded. Requires: a Framebuffer has begun; near geometry comes first, it hides much.
   ImpostorStatistics draw(const LeafView& leaf, const ViewTransform& view);

@@ -60,13 +60,19 @@ bool ImpostorStore::add(const DecodedTile& tile, std::uint64_t keep_from) {
   return true;
 }
 
-UploadResult ImpostorStore::upload(const LeafView& leaf, std::size_t frame_upload_bytes) {
+UploadResult ImpostorStore::upload(const LeafView& leaf, std::size_t frame_upload_bytes,
+                                   std::span<const std::shared_ptr<const LeafView>> in_use) {
   UploadResult result;
   ++frame_;
   // What the last frame drew stays on the screen until all of this set is here: at once, if nothing limits the upload.
   const bool is_at_once = frame_upload_bytes == std::numeric_limits<std::size_t>::max();
   const std::uint64_t keep_from = is_at_once ? frame_ : frame_ - 1;
   // What is wanted and here already must not make room for the rest.
+  for (const auto& other : in_use) {
+    for (const auto& tile : other->tiles) {
+      if (tile) find(*tile);
+    }
+  }
   for (const auto& tile : leaf.tiles) {
     if (tile) find(*tile);
   }

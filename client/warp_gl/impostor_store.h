@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <list>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -39,8 +40,9 @@ class ImpostorStore {
   /// `budget_bytes`: what the leaf set in use needs stays, even beyond it.
   ImpostorStore(const GlAbilities& abilities, std::size_t budget_bytes);
 
-  /// Uploads missing tiles in the leaf set's order until `frame_upload_bytes` are used up (at least one tile).
-  UploadResult upload(const LeafView& leaf, std::size_t frame_upload_bytes);
+  /// Begins a frame: uploads missing tiles in the leaf set's order until `frame_upload_bytes` are used up (at least one tile).
+  /// Tiles of `in_use`, leaf sets that this frame may draw as well, stay.
+  UploadResult upload(const LeafView& leaf, std::size_t frame_upload_bytes, std::span<const std::shared_ptr<const LeafView>> in_use);
   /// Returns: null if it is not resident. Marks it as wanted.
   const ResidentTile* find(const DecodedTile& tile);
   /// Ends the frame: tiles not wanted since are evicted while the budget is exceeded.

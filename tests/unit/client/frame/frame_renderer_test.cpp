@@ -244,6 +244,22 @@ TEST_P(FrameRendererTest, OneLeafSetFadesIntoTheNext) {
 INSTANTIATE_TEST_SUITE_P(Both, FrameRendererTest, testing::Values(Renderer::kCpu, Renderer::kGl),
                          [](const auto& info) { return info.param == Renderer::kCpu ? "Cpu" : "Gl"; });
 
+TEST(FrameRendererUpload, WhatFadesStaysUploadedWhateverTheBudget) {
+  FrameOptions options;
+  options.impostors.budget_bytes = 1;
+  auto renderer = FrameRenderer::create(Renderer::kGl, kDisplay, options);
+  ASSERT_TRUE(renderer) << renderer.error().message;
+  const auto first = scene(wall_tile(20, kNoHole, 1)), second = scene(wall_tile(20, kNoHole, 2));
+  second->leaf.x = 7;
+  Frame frame, alone;
+  (*renderer)->render(first, {}, alone, 0);
+  // Both show the same wall, so every mixture of them does: a tile that has gone would be sky.
+  for (const double time_s : {0.01, 0.1, 0.2}) {
+    EXPECT_LT((*renderer)->render(second, {}, frame, time_s).drawn_share, 1);
+    EXPECT_EQ(frame.rgba, alone.rgba) << time_s;
+  }
+}
+
 TEST(FrameRendererUpload, ThePreviousLeafSetStaysUntilTheNewOneIsUploaded) {
   FrameOptions options;
   options.frame_upload_bytes = 100'000;  // a fraction of a tile: one tile per frame
