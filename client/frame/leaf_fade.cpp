@@ -25,7 +25,8 @@ bool LeafFade::may_fade(const LeafView& newest, std::optional<double> time_s) co
 
 std::vector<std::shared_ptr<const LeafView>> LeafFade::in_use(std::optional<double> time_s) const {
   std::vector<std::shared_ptr<const LeafView>> result;
-  if (seconds_ <= 0 || !time_s) return result;
+  // After a longer pause the next set is shown at once.
+  if (!time_s || !last_s_ || *time_s < *last_s_ || *time_s - *last_s_ >= seconds_) return result;
   for (const auto& leaf : {shown_, former_})
     if (leaf) result.push_back(leaf);
   return result;

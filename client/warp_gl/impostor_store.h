@@ -37,7 +37,7 @@ struct UploadResult {
 
 class ImpostorStore {
  public:
-  /// `budget_bytes`: what the leaf set in use needs stays, even beyond it.
+  /// `budget_bytes`: what the leaf sets in use need stays, even beyond it.
   ImpostorStore(const GlAbilities& abilities, std::size_t budget_bytes);
 
   /// Begins a frame: uploads missing tiles in the leaf set's order until `frame_upload_bytes` are used up (at least one tile).

@@ -107,6 +107,22 @@ TEST(LeafFade, WhoRunsIsFartherAlongThanTheClock) {
   EXPECT_NEAR(fade.next(leaf_at(1), at(2 + 0.5 * kSide), 2 * kFrame).share, 0.5, 1e-9);
 }
 
+TEST(LeafFade, OnlyWhatMayStillBeDrawnIsInUse) {
+  using Sets = std::vector<std::shared_ptr<const LeafView>>;
+  LeafFade fade(0.25), never(0);
+  const auto first = leaf_at(0), second = leaf_at(1);
+  EXPECT_EQ(fade.in_use(0), Sets());
+  fade.next(first, at(1.9), 0), never.next(first, at(1.9), 0);
+  EXPECT_EQ(fade.in_use(kFrame), Sets{first});
+  EXPECT_EQ(fade.in_use({}), Sets());
+  EXPECT_EQ(fade.in_use(1), Sets());  // frames so far apart do not fade
+  EXPECT_EQ(never.in_use(kFrame), Sets());
+  fade.next(second, at(2.01), kFrame);
+  EXPECT_EQ(fade.in_use(2 * kFrame), (Sets{second, first}));
+  fade.next(second, at(2.02), 0.2), fade.next(second, at(2.03), 0.4);
+  EXPECT_EQ(fade.in_use(0.41), Sets{second});
+}
+
 TEST(LeafFade, WhatIsTooFarGoneIsNotShown) {
   const auto first = leaf_at(0), second = leaf_at(1), far_away = leaf_at(50);
   LeafFade jumps(0.25);
