@@ -76,12 +76,12 @@ void PromiseSum::add(const CertifiedTile& tile) {
 
 FramePromise PromiseSum::promise() const {
   FramePromise result;
+  double share = 0, hits = 0, fewest_rays = std::numeric_limits<double>::infinity();
+  for (const auto& [cell, c] : shells_) {
+    share += c.void_share(), hits += c.void_hits;
+    fewest_rays = std::min(fewest_rays, static_cast<double>(c.void_rays));
+  }
   if (!shells_.empty()) {
-    double share = 0, hits = 0, fewest_rays = std::numeric_limits<double>::infinity();
-    for (const auto& [cell, c] : shells_) {
-      share += c.void_share(), hits += c.void_hits;
-      fewest_rays = std::min(fewest_rays, static_cast<double>(c.void_rays));
-    }
     const double bound = share + (poisson_upper_bound(hits, kConfidence) - hits) / fewest_rays;
     result.expected_void_share = share;
     result.void_share = std::min(1.0, slack_.void_factor * bound + slack_.void_per_pitch * view_.display.pixel_pitch());
@@ -91,8 +91,14 @@ FramePromise PromiseSum::promise() const {
     for (const MeasuredColour& c : colours_) weights += c.weight, mse += c.weight * c.mse;
     mse /= weights;
     for (const MeasuredColour& c : colours_) variance += c.weight * c.weight / (weights * weights) * c.error * c.error;
-    result.expected_psnr_db = psnr_of(mse);
-    result.psnr_db = psnr_of(mse + kStandardNormal99 * std::sqrt(variance)) - slack_.colour_db;
+    // Shares of voids are of all directions, and lie in the part of the frame that shows impostors.
+    const double part = std::min(1.0, weights / (static_cast<double>(view_.display.width) * view_.display.height));
+    const auto in_part = [part](double of_frame) { return std::min(1.0, of_frame / part); };
+    result.expected_psnr_db = psnr_of(mse + in_part(share) * slack_.void_mse);
+    // Counts are nearly Poisson: their variance is their mean. The two errors are independent.
+    const double factor = std::pow(10.0, 0.1 * slack_.colour_db), void_error = slack_.void_factor * std::sqrt(hits) / fewest_rays;
+    const double error = std::hypot(factor * std::sqrt(variance), in_part(void_error) * slack_.void_mse);
+    result.psnr_db = psnr_of(factor * mse + in_part(slack_.void_factor * share) * slack_.void_mse + kStandardNormal99 * error);
   }
   if (warp_px_ >= 0) result.warp_px = slack_.warp_factor * warp_px_;
   return result;

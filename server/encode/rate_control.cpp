@@ -13,8 +13,7 @@ constexpr double kCloseEnough = 0.01;  // of bytes or of the mean square error
 constexpr double kSameSlope = 1.01;    // a step of quality is a third
 // About: halving the bytes of colours takes four times the slope and more; the error goes with the slope or a little less.
 constexpr double kBytesPower = -0.4, kErrorPower = 0.8;
-// Beyond the slope of the coarsest colours only delta views are left to give up; with this, all of them.
-constexpr double kSteepest = 1e6;
+constexpr double kSlopeStep = 1.4;     // so do views with the bytes left for colours need no finer ones to be compared
 constexpr double kMostToleranceScale = 2;
 // What coding does to a tile is averaged when several samples make a pixel; voids are not. Measured on a walk through a plant: from
 // quality 40 to 88 tiles lose 13 levels² of error and frames 2.
@@ -35,9 +34,33 @@ class ShellRates {
   }
 
   // With all views that were searched out.
-  Decision with_all_views(double slope) { return at(slope, count_); }
-  // Of the first views the number with the least error and slope·bytes: those after it leave voids instead.
-  Decision with_worthy_views(double slope) { return at(slope, 1); }
+  Decision with_all_views(double slope) { return with_views(count_, slope); }
+  // With the first so many, at least 1; those after them leave voids instead.
+  Decision with_views(std::size_t count, double slope) { return up_to(slope)[count - 1]; }
+  // Of the numbers of views, each with the colours that are left bytes for, the one with the least error in frames, and a slope of
+  // at least `fine` at which it fits. No views: not even one fits at slope `coarse`.
+  struct Choice {
+    std::size_t views = 0;
+    double slope = 0;
+  };
+  Choice choose_views(double fine, double coarse, double budget) {
+    // From coarse to fine, so that qualities that nothing can have are not tried.
+    Choice best;
+    std::vector<Choice> finest(count_);
+    std::vector<double> costs(count_);
+    for (double slope = coarse;; slope = std::max(fine, slope / kSlopeStep)) {
+      const std::vector<Decision> decisions = up_to(slope);
+      bool is_any = false;
+      for (std::size_t k = 0; k < count_ && decisions[k].outcome.bytes <= budget; ++k) {
+        finest[k] = {k + 1, slope}, is_any = true;
+        costs[k] = decisions[k].outcome.weighted_error + (k < void_error_.size() ? void_error_[k] : 0);
+      }
+      if (!is_any || slope <= fine) break;
+    }
+    for (std::size_t k = 0; k < count_; ++k)
+      if (finest[k].views > 0 && (best.views == 0 || costs[k] < costs[best.views - 1])) best = finest[k];
+    return best;
+  }
   // The slope in [low, high] where excess(slope), the logarithm of what there is to what there may be, falls from above 0 to at
   // most 0 on the way to `fine`, low or high. `power`: what it falls with, about, of the slope. Returns: `fine` if it never does.
   template <class Excess>
@@ -50,28 +73,26 @@ class ShellRates {
       (is_fine == fine_is_high ? high : low) = at_slope;
       if ((is_fine && over > -kCloseEnough) || high < low * kSameSlope) break;
       const double next = at_slope * std::exp(-over / power);
-      // By turns, as the power is only a guess and delta views come and go at once.
+      // By turns, as the power is only a guess and qualities come in steps.
       at_slope = round % 2 == 0 && next > low && next < high ? next : std::sqrt(low * high);
     }
     return fine_is_high ? high : low;
   }
 
  private:
-  Decision at(double slope, std::size_t fewest) {
+  // [k]: of the first k + 1 views.
+  std::vector<Decision> up_to(double slope) {
     const std::vector<RateModel::Outcome> views = model_.of_views(slope);
-    Decision best;
+    std::vector<Decision> decisions;
     RateModel::Outcome sum;
-    double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < count_; ++k) {
       if (k < views.size()) {
         sum.bytes += views[k].bytes, sum.saved_by_coarse_depth += views[k].saved_by_coarse_depth;
         sum.error += views[k].error, sum.weighted_error += views[k].weighted_error, sum.solid_angle += views[k].solid_angle;
       }
-      const double cost = sum.weighted_error + slope * sum.bytes + (k < void_error_.size() ? void_error_[k] : 0);
-      if (k + 1 < fewest || cost >= least) continue;
-      least = cost, best = {k + 1, sum};
+      decisions.push_back({k + 1, sum});
     }
-    return best;
+    return decisions;
   }
 
   RateModel& model_;
@@ -141,9 +162,15 @@ Result<std::shared_ptr<const CellCoding>> RateControl::decide(const CellId& cell
   }
   Decision decision = rates.with_all_views(coding->slope);
   if (budget > 0 && decision.outcome.bytes > budget) {
-    const auto excess = [&](double slope) { return std::log(std::max(1.0, rates.with_worthy_views(slope).outcome.bytes) / budget); };
-    if (excess(coding->slope) > 0) coding->slope = ShellRates::solve(coding->slope, kSteepest * coarsest, usual, kBytesPower, excess);
-    decision = rates.with_worthy_views(coding->slope);
+    const ShellRates::Choice choice = rates.choose_views(coding->slope, std::max(coding->slope, coarsest), budget);
+    if (choice.views == 0) {
+      coding->slope = std::max(coding->slope, coarsest), decision = rates.with_views(1, coding->slope);
+    } else {
+      const auto excess = [&](double slope) { return std::log(std::max(1.0, rates.with_views(choice.views, slope).outcome.bytes) / budget); };
+      const double finer = std::max(coding->slope, choice.slope / kSlopeStep);
+      if (finer < choice.slope) coding->slope = ShellRates::solve(finer, choice.slope, std::sqrt(finer * choice.slope), kBytesPower, excess);
+      decision = rates.with_views(choice.views, coding->slope);
+    }
   }
   coding->expected_bytes = decision.outcome.bytes, coding->expected_mean_square = decision.outcome.mean_square();
   if (budget > 0 && coding->expected_bytes > budget) {

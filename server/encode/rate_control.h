@@ -4,9 +4,8 @@
 //
 //   tiles that leaves need ─▶ some are cast ─▶ coded at the qualities a slope asks for ─▶ the slope that meets the target
 //
-// One slope for all tiles: each is coded at the quality where a byte takes as much off the error (colour_trial.h). The same slope
-// decides how many of the delta views are worth their bytes: what a view adds is weighed as the error that voids leave which are filled
-// with their surroundings. Only where the coarsest colours without delta views cost too much, disparity is coded more coarsely,
+// One slope for all tiles: each is coded at the quality where a byte takes as much off the error (colour_trial.h). Of the delta views
+// so many are kept as leave the least error, that of colours coded with the bytes that are left and that of voids. Only where the coarsest colours without delta views cost too much, disparity is coded more coarsely,
 // to twice its tolerance at most.
 #pragma once
 

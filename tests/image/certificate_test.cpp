@@ -128,7 +128,22 @@ TEST_F(DamagedImpostor, MissingViewsAreTold) {
   poor.delta_views = 0;
   const auto good = frames(without_targets()), bad = frames(poor);
   EXPECT_GE(mean_of(bad, &FramePromise::expected_void_share), 4 * mean_of(good, &FramePromise::expected_void_share));
-  for (const JudgedFrame& frame : bad) EXPECT_LE(frame.void_share, frame.promise.void_share);
+  EXPECT_LE(mean_of(bad, &FramePromise::psnr_db), mean_of(good, &FramePromise::psnr_db) - 1);
+  for (const JudgedFrame& frame : bad) {
+    EXPECT_LE(frame.void_share, frame.promise.void_share);
+    EXPECT_GE(frame.psnr_db, frame.promise.psnr_db) << "what is seen through holes is wrong as well";
+  }
+}
+
+TEST_F(DamagedImpostor, ABudgetThatLeavesLittleIsTold) {
+  ImpostorSettings poor = small_settings(*scene());
+  poor.rate.cell_bytes = 15000;
+  const auto good = frames(small_settings(*scene())), bad = frames(poor);
+  EXPECT_LE(mean_of(bad, &FramePromise::psnr_db), mean_of(good, &FramePromise::psnr_db) - 1);
+  for (const JudgedFrame& frame : bad) {
+    EXPECT_LE(frame.void_share, frame.promise.void_share);
+    EXPECT_GE(frame.psnr_db, frame.promise.psnr_db);
+  }
 }
 
 TEST_F(DamagedImpostor, CoarseDisparitiesAreTold) {

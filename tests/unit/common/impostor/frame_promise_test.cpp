@@ -26,6 +26,13 @@ CertifiedTile tile_ahead(int level = 0) {
   return tile;
 }
 
+// Of which every direction is held.
+CertifiedTile whole_ahead() {
+  CertifiedTile tile = tile_ahead();
+  tile.certificate.void_hits = tile.certificate.void_worst_hits = 0;
+  return tile;
+}
+
 FramePromise promise_of(const PromisedView& view, std::initializer_list<CertifiedTile> tiles) {
   PromiseSum sum(view);
   for (const CertifiedTile& tile : tiles) sum.add(tile);
@@ -53,9 +60,10 @@ TEST(FramePromise, PromisesNothingWithoutCertificates) {
 
 TEST(FramePromise, BoundsWhatIsExpectedWithConfidenceAndSlack) {
   const PromiseSlack slack;
+  const FramePromise whole = promise_of(ahead(), {whole_ahead(), whole_ahead()});
+  EXPECT_NEAR(whole.expected_psnr_db, psnr_of(40), 1e-6);
+  EXPECT_NEAR(whole.psnr_db, psnr_of(40 + 2.3263 * 4 / std::sqrt(2.0)) - slack.colour_db, 1e-3);
   const FramePromise promise = promise_of(ahead(), {tile_ahead(), tile_ahead()});
-  EXPECT_NEAR(promise.expected_psnr_db, psnr_of(40), 1e-6);
-  EXPECT_NEAR(promise.psnr_db, psnr_of(40 + 2.3263 * 4 / std::sqrt(2.0)) - slack.colour_db, 1e-3);
   EXPECT_NEAR(promise.expected_void_share, 4.0 / 40000, 1e-9);
   EXPECT_NEAR(promise.void_share, slack.void_factor * poisson_upper_bound(4, 0.99) / 40000 + slack.void_per_pitch * Display().pixel_pitch(), 1e-9);
 }
@@ -63,25 +71,45 @@ TEST(FramePromise, BoundsWhatIsExpectedWithConfidenceAndSlack) {
 TEST(FramePromise, FourSamplesPerPixelHaveTheirOwnError) {
   PromisedView view = ahead();
   view.samples_per_pixel = 4;
-  EXPECT_NEAR(promise_of(view, {tile_ahead()}).expected_psnr_db, psnr_of(20), 1e-6);
+  EXPECT_NEAR(promise_of(view, {whole_ahead()}).expected_psnr_db, psnr_of(20), 1e-6);
 }
 
 TEST(FramePromise, ManyTilesAreMoreCertainThanOne) {
-  CertifiedTile beside = tile_ahead();
+  CertifiedTile beside = whole_ahead();
   beside.id.x = 5;
-  const FramePromise one = promise_of(ahead(), {tile_ahead()}), two = promise_of(ahead(), {tile_ahead(), beside});
+  const FramePromise one = promise_of(ahead(), {whole_ahead()}), two = promise_of(ahead(), {whole_ahead(), beside});
   EXPECT_NEAR(one.expected_psnr_db, two.expected_psnr_db, 1e-6);
   EXPECT_GT(two.psnr_db, one.psnr_db + 0.1);
 }
 
 TEST(FramePromise, HowTilesDifferIsKnownAndCostsNoCertainty) {
-  CertifiedTile better = tile_ahead(), worse = tile_ahead();
+  CertifiedTile better = whole_ahead(), worse = whole_ahead();
   better.certificate.colour_mse[0] = 20, worse.certificate.colour_mse[0] = 60;
-  const FramePromise same = promise_of(ahead(), {tile_ahead(), tile_ahead()}), different = promise_of(ahead(), {better, worse});
+  const FramePromise same = promise_of(ahead(), {whole_ahead(), whole_ahead()}), different = promise_of(ahead(), {better, worse});
   EXPECT_NEAR(same.expected_psnr_db, different.expected_psnr_db, 1e-6);
   EXPECT_NEAR(same.psnr_db, different.psnr_db, 1e-6);
   worse.certificate.colour_mse_error[0] = 12;
   EXPECT_LT(promise_of(ahead(), {better, worse}).psnr_db, different.psnr_db - 0.5) << "what within a tile is not";
+}
+
+TEST(FramePromise, WhatNoViewHoldsCountsAgainstThePartThatShowsImpostors) {
+  const PromiseSlack slack;
+  const auto mse = [](double psnr_db) { return 255 * 255 * std::pow(10, -0.1 * psnr_db); };
+  const auto of_voids = [&](double part) {  // of the tiles that show
+    CertifiedTile whole = whole_ahead(), open = tile_ahead();
+    for (CertifiedTile* tile : {&whole, &open}) tile->covered_samples = static_cast<std::uint32_t>(part * tile->covered_samples);
+    return mse(promise_of(ahead(), {open}).expected_psnr_db) - mse(promise_of(ahead(), {whole}).expected_psnr_db);
+  };
+  // A face is 9 tiles across and as wide as a right angle; a frame 106 by 60 degrees, 2.05 by 1.15 in tangents.
+  const double tile_in_frame = 2.0 / 9 * 2.0 / 9 / (2.0528 * 1.1547);
+  EXPECT_NEAR(of_voids(1), 4.0 / 40000 / tile_in_frame * slack.void_mse, 0.2 * of_voids(1));
+  EXPECT_NEAR(of_voids(0.5) / of_voids(1), 2, 1e-3);
+  EXPECT_NEAR(of_voids(1e-4), slack.void_mse, 1e-6) << "there is no more than all of it";
+  CertifiedTile open = tile_ahead();
+  const double promised = promise_of(ahead(), {open}).psnr_db;
+  open.certificate.void_hits *= 2;
+  EXPECT_LT(promise_of(ahead(), {open}).psnr_db, promised - 0.5);
+  EXPECT_GT(mse(promised) - mse(promise_of(ahead(), {whole_ahead()}).psnr_db), slack.void_factor * of_voids(1)) << "and confidence beside the slack";
 }
 
 TEST(FramePromise, TilesThatWereNotMeasuredAreStoodForByOthers) {
