@@ -167,12 +167,16 @@ Result<int> TileMaker::steer(Tile& tile, const CancelFlag& cancel) const {
   return ColourTrial(tile).best_quality(slope, colour_weight(tile.id));
 }
 
-Result<Bytes> TileMaker::encode_certified(const Tile& tile, int first_quality, TileBytes& accounting, double& certify_seconds) {
-  if (tile.id.view == kFallbackView) return encode_tile(tile, {first_quality}, &accounting);
+Result<Bytes> TileMaker::encode_certified(const Tile& tile, int first_quality, TileBytes& accounting, StageSeconds& stages) {
+  StageClock clock;
+  if (tile.id.view == kFallbackView) {
+    Result<Bytes> encoded = encode_tile(tile, {first_quality}, &accounting);
+    clock.lap(stages.encode);
+    return encoded;
+  }
   const CellSpace space = CellSpace::of_shell(shells_, tile.id.cell, tree_->scene_root());
-  const double start = thread_seconds();
   const ColourProbes probes(*scene_, space, space.box.center() + glm::dvec3(tile.view_offset) * space.side_m, tile, settings_.display);
-  certify_seconds += thread_seconds() - start;
+  clock.lap(stages.certify);
   const double target = settings_.targets.coding_psnr_db > 0 ? mse_of_psnr(settings_.targets.coding_psnr_db) : kMostError;
   const bool may_refine = settings_.rate.cell_bytes <= 0;  // else the budget goes first
   int quality = first_quality;
@@ -180,7 +184,7 @@ Result<Bytes> TileMaker::encode_certified(const Tile& tile, int first_quality, T
     CodedSamples decoded;
     Result<Bytes> encoded = encode_tile(tile, {quality}, &accounting, &decoded);
     if (!encoded) return encoded;
-    const double encoded_at = thread_seconds();
+    clock.lap(stages.encode);
     const bool misses = coding_error(tile, decoded) > target;
     if (misses && may_refine && quality < kFinestQuality) {
       refined_ += quality == first_quality;
@@ -192,7 +196,7 @@ Result<Bytes> TileMaker::encode_certified(const Tile& tile, int first_quality, T
     certificate.missed_colour = misses;
     set_certificate(*encoded, certificate);
     ++certified_, missed_ += misses || certificate.missed_void;
-    certify_seconds += thread_seconds() - encoded_at;
+    clock.lap(stages.certify);
     return encoded;
   }
 }
@@ -205,16 +209,17 @@ Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, con
   Result<Tile> tile = cast_counted(id, cancel, work, result->skips);
   if (!tile) return tl::unexpected(tile.error());
   result->rays = static_cast<std::uint32_t>(work.rays);
-  result->intra_seconds = id.view == kIntraView ? work.intra_seconds : 0;
   const bool is_empty = std::find(tile->coverage.begin(), tile->coverage.end(), 1) == tile->coverage.end();
   if (is_empty) {
     result->skips.empty_tiles = 1;
     result->bytes = std::make_shared<const Bytes>();
   } else {
     TileBytes bytes;
+    StageClock clock;
     const Result<int> quality = steer(*tile, cancel);
+    clock.lap(work.seconds.encode);
     if (!quality) return tl::unexpected(quality.error());
-    Result<Bytes> encoded = encode_certified(*tile, *quality, bytes, result->certify_seconds);
+    Result<Bytes> encoded = encode_certified(*tile, *quality, bytes, work.seconds);
     if (!encoded) return tl::unexpected(encoded.error());
     result->hash = hash_bytes(*encoded);
     result->bytes = std::make_shared<const Bytes>(std::move(*encoded));
@@ -225,7 +230,7 @@ Result<std::shared_ptr<const EncodedTile>> TileMaker::make(const TileId& id, con
     result->disparity_bytes = bytes.disparity;
     result->other_bytes = bytes.topology + bytes.other;
   }
-  result->seconds = thread_seconds() - start;
+  result->seconds = thread_seconds() - start, result->stages = work.seconds;
   const std::lock_guard lock(mutex_);
   skipped_ += result->skips;
   return std::shared_ptr<const EncodedTile>(result);

@@ -32,7 +32,7 @@ class TileMaker : public TileSource {
 
  private:
   /// The tile's bytes, its certificate among them; coded finer where its target asks for it. Fallback views have neither.
-  Result<Bytes> encode_certified(const Tile& tile, int quality, TileBytes& accounting, double& certify_seconds);
+  Result<Bytes> encode_certified(const Tile& tile, int quality, TileBytes& accounting, StageSeconds& stages);
 
   const std::shared_ptr<const Scene> scene_;
   const std::shared_ptr<ViewSource> views_;

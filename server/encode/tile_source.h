@@ -5,6 +5,7 @@
 #include "common/base/bytes.h"
 #include "common/impostor/tile_id.h"
 #include "server/cells/leaf_plan.h"
+#include "server/impostor/stage_seconds.h"
 
 namespace farfield {
 
@@ -33,8 +34,7 @@ struct EncodedTile {
   SharedBytes bytes;          // empty vector: the tile holds nothing and is not sent
   ContentHash hash = 0;       // of the bytes
   double seconds = 0;         // thread seconds spent
-  double intra_seconds = 0;   // of these, casting and shading one ray per sample of the intra view
-  double certify_seconds = 0;  // of these, for its certificate
+  StageSeconds stages;        // of these
   std::uint32_t covered_samples = 0;
   std::uint32_t colour_bytes = 0, disparity_bytes = 0, other_bytes = 0;
   std::uint32_t rays = 0;     // one per sample cast; probes, cuts and several rays per sample left out

@@ -159,6 +159,7 @@ class RegionSamples {
 
 Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vector<glm::dvec3>& views, const TileId& id,
                      const ImpostorSettings& settings, double warp_gain, double tolerance, const VisibleBlocks* visible, TileWork& work, DeltaSkips& skips) {
+  StageClock clock;
   Tile tile;
   tile.id = id;
   const int edge_samples = settings.edge_samples(id.view);
@@ -172,6 +173,7 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   const VoidFinder finder(scene, space, views, id, frame, settings, visible, warp_gain, std::min(0.05, tolerance * nearest));
   skips.blocks_probed += static_cast<std::size_t>(finder.columns()) * finder.rows();
   std::vector<glm::ivec2> voids = finder.find_voids();
+  clock.lap(work.seconds.search);
   if (voids.empty()) return tile;
   RegionSamples region(scene, space, frame, finder);
   region.cast(std::move(voids));
@@ -179,7 +181,9 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   skips.blocks_cast += blocks.size();
   work.rays += region.patches * kPacketSize;
   const std::vector<std::uint8_t> kept = region.with_border();
+  clock.lap(work.seconds.delta);
   shade_uneven(scene, frame, region.uneven, kept, region.arrays);
+  clock.lap(work.seconds.colours);
 
   std::vector<glm::ivec2> full;
   for (const glm::ivec2& block : blocks) {
@@ -218,11 +222,13 @@ Tile cast_delta_tile(const Scene& scene, const CellSpace& space, const std::vect
   const ConnectionLimits limits = connection_limits(frame, warp_gain);
   const TileNeighbours neighbours(tile);
   find_cuts(scene, space, frame, arrays, limits, neighbours, sample_i, sample_j, tile);
+  clock.lap(work.seconds.cuts);
   supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, arrays);
   work.count_colours(tile, arrays);
   tile.disparity = std::move(arrays.disparity);
   sharpen_colours(tile, arrays.rgb);
   tile.rgb = std::move(arrays.rgb);
+  clock.lap(work.seconds.colours);
   return tile;
 }
 

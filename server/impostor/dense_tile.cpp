@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "common/base/thread_clock.h"
 #include "server/impostor/sharpen_colours.h"
 #include "server/impostor/supersample.h"
 
@@ -28,7 +27,7 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
   const ViewFrame frame = ViewFrame::of(space, view, id.face, edge_samples);
   const int first_i = id.x * kTileStride, first_j = id.y * kTileStride;
 
-  double start = thread_seconds();
+  StageClock clock;
   SampleArrays samples(size);
   std::vector<UnevenPacket> uneven;
   for (int y = 0; y < kTileSamples; y += 4) {
@@ -46,10 +45,10 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
       cast_samples(scene, space, frame, i, j, index, samples, uneven);
     }
     if ((y + 4) % kStripe != 0) continue;
-    work.intra_seconds += thread_seconds() - start;
+    clock.lap(work.seconds.intra);
     shade_uneven(scene, frame, uneven, samples.covered, samples);
     uneven.clear();
-    start = thread_seconds();
+    clock.lap(work.seconds.colours);
   }
   work.rays += static_cast<std::size_t>(std::count(samples.known.begin(), samples.known.end(), 1));
 
@@ -63,11 +62,13 @@ Tile cast_dense_tile(const Scene& scene, const CellSpace& space, const glm::dvec
   const ConnectionLimits limits = connection_limits(frame, warp_gain);
   const TileNeighbours neighbours(tile);
   find_cuts(scene, space, frame, samples, limits, neighbours, sample_i, sample_j, tile);
+  clock.lap(work.seconds.cuts);
   supersample_colours(scene, space, frame, limits, neighbours, sample_i, sample_j, tile, samples);
   work.count_colours(tile, samples);
   tile.disparity = std::move(samples.disparity);
   sharpen_colours(tile, samples.rgb);
   tile.rgb = std::move(samples.rgb);
+  clock.lap(work.seconds.colours);
   return tile;
 }
 

@@ -3,12 +3,13 @@
 #pragma once
 
 #include "server/impostor/connectivity.h"
+#include "server/impostor/stage_seconds.h"
 #include "server/impostor/visible_blocks.h"
 
 namespace farfield {
 
 struct TileWork {
-  double intra_seconds = 0;       // thread time of casting and shading one ray per sample
+  StageSeconds seconds;
   std::size_t rays = 0;
   std::size_t samples_refined = 0;  // covered, coloured from several look-ups or rays …
   std::size_t samples_coloured_once = 0;  // … and those that look like their neighbours or are smoothed by their texture's filter

@@ -29,7 +29,7 @@ void CellStatisticsRecorder::add_tile(const TileId& id, const EncodedTile& tile)
   const std::size_t bytes = tile.bytes ? tile.bytes->size() : 0;
   ++(bytes > 0 ? record->tiles : record->empty_tiles);
   record->seconds += tile.seconds;
-  record->intra_seconds += tile.intra_seconds;
+  record->stages += tile.stages;
   record->covered_samples += tile.covered_samples;
   record->bytes += bytes;
   record->colour_bytes += tile.colour_bytes;

@@ -20,8 +20,8 @@ namespace farfield {
 struct CellStatistics {
   CellId cell;
   bool is_leaf = false;           // a leaf plan was made for it
-  double seconds = 0;             // casting, shading and encoding
-  double intra_seconds = 0;       // of these: the intra view alone, one ray per sample
+  double seconds = 0;             // casting, shading, encoding and certifying …
+  StageSeconds stages;            // … of which
   double fallback_seconds = 0;    // making the fallback view; not in `seconds`
   double visibility_seconds = 0;  // making the leaf plan; not in `seconds`
   std::uint32_t tiles = 0;        // not empty, fallback view left out

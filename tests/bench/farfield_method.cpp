@@ -104,16 +104,24 @@ void add_cells(const Serving& serving, MethodResult& result) {
   const int threads = std::max(1, serving.pool->pool_statistics().threads);
   std::vector<double> cell, intra, ratio, bytes;
   double disparity_bytes = 0, covered = 0;
+  StageSeconds stages;
+  double plan_seconds = 0;
   for (const CellStatistics& c : serving.service->cell_statistics()) {
     disparity_bytes += static_cast<double>(c.disparity_bytes), covered += static_cast<double>(c.covered_samples);
     if (!c.is_leaf || c.tiles == 0) continue;
-    cell.push_back(1e3 * c.seconds / threads), intra.push_back(1e3 * c.intra_seconds / threads);
-    if (c.intra_seconds > 0) ratio.push_back(c.seconds / c.intra_seconds);
+    cell.push_back(1e3 * c.seconds / threads), intra.push_back(1e3 * c.stages.intra / threads);
+    stages += c.stages, plan_seconds += c.visibility_seconds;
+    if (c.stages.intra > 0) ratio.push_back(c.seconds / c.stages.intra);
     bytes.push_back(static_cast<double>(c.bytes));
   }
   result.cell_p50 = percentile(cell, 0.5), result.cell_p95 = percentile(cell, 0.95), result.cell_max = largest(cell);
   result.intra_p50 = percentile(intra, 0.5), result.cell_to_intra = percentile(ratio, 0.5);
   result.cell_count = static_cast<double>(cell.size());
+  const auto put_stage = [&](const char* name, double seconds) { result.cell_stages[name] = 1e3 * seconds / threads / result.cell_count; };
+  if (!cell.empty()) {
+    put_stage("plan", plan_seconds), put_stage("intra", stages.intra), put_stage("search", stages.search), put_stage("delta", stages.delta);
+    put_stage("cuts", stages.cuts), put_stage("colours", stages.colours), put_stage("encode", stages.encode), put_stage("certify", stages.certify);
+  }
   result.bytes_per_cell = mean(bytes);
   result.depth_bits = covered > 0 ? 8 * disparity_bytes / covered : kNone;
 }

@@ -62,6 +62,7 @@ struct MethodResult {
   double cell_p50 = kNone, cell_p95 = kNone, cell_max = kNone, intra_p50 = kNone;  // ms
   double cell_to_intra = kNone;  // median over cells of the ratio
   double cell_count = 0;
+  std::map<std::string, double> cell_stages;  // ms, means over cells
   double bytes_total = kNone, bytes_entry = kNone, bytes_per_cell = kNone, bytes_per_metre = kNone;
   double bytes_near = kNone, bytes_textures = kNone, bytes_colour = kNone, bytes_disparity = kNone, bytes_other = kNone;
   double bytes_messages = kNone;  // of bytes_other: all but the payloads

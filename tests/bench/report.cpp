@@ -31,9 +31,13 @@ nlohmann::json promises_json(const std::vector<KeptPromise>& frames) {
   return list;
 }
 
+nlohmann::json values(const std::map<std::string, double>& named) {
+  nlohmann::json object = nlohmann::json::object();
+  for (const auto& [name, figure] : named) object[name] = value(figure);
+  return object;
+}
+
 nlohmann::json to_json(const MethodResult& m) {
-  nlohmann::json skipped = nlohmann::json::object();
-  for (const auto& [name, count] : m.skipped) skipped[name] = value(count);
   nlohmann::json savings = nlohmann::json::array();
   for (const Saving& s : m.savings)
     savings.push_back({{"skip", s.skip}, {"counter", s.counter}, {"count", value(s.count)}, {"rays", value(s.rays)}, {"ms", value(s.ms)}, {"bytes", value(s.bytes)}});
@@ -41,6 +45,7 @@ nlohmann::json to_json(const MethodResult& m) {
           {"frame_ms", {{"p50", value(m.frame_p50)}, {"p95", value(m.frame_p95)}, {"p99", value(m.frame_p99)}}},
           {"realtime_frame_ms", {{"p50", value(m.realtime_frame_p50)}, {"p99", value(m.realtime_frame_p99)}}},
           {"cell_ms", {{"p50", value(m.cell_p50)}, {"p95", value(m.cell_p95)}, {"max", value(m.cell_max)}, {"count", value(m.cell_count)}}},
+          {"cell_stages_ms", values(m.cell_stages)},
           {"intra_ms", {{"p50", value(m.intra_p50)}}},
           {"cell_to_intra", value(m.cell_to_intra)},
           {"bytes", {{"total", value(m.bytes_total)}, {"entry", value(m.bytes_entry)}, {"per_cell", value(m.bytes_per_cell)},
@@ -61,7 +66,7 @@ nlohmann::json to_json(const MethodResult& m) {
                            {"void_slack", value(m.certificate.void_slack)}, {"psnr_slack_db", value(m.certificate.psnr_slack_db)},
                            {"warp_slack_px", value(m.certificate.warp_slack_px)}, {"frames", promises_json(m.kept_promises)}}},
           {"border_flip", {{"inside_p99", value(m.border_flip.inside_p99)}, {"crossing_p99", value(m.border_flip.crossing_p99)}, {"after_crossing_p99", value(m.border_flip.after_crossing_p99)}}},
-          {"skipped", skipped},
+          {"skipped", values(m.skipped)},
           {"savings", savings}};
 }
 

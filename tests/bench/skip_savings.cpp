@@ -126,7 +126,7 @@ class SavingsMeter {
       hidden += static_cast<double>(t.skips.hidden_samples + 64 * t.skips.delta_blocks_hidden);
       ms += whole.ms - made(id).ms, bytes += whole.bytes - static_cast<double>(t.bytes->size());
       if (id.is_delta()) delta_bytes += static_cast<double>(t.bytes->size()), delta_samples += t.covered_samples;
-      else intra_ms += 1e3 * t.intra_seconds, intra_rays += t.rays;
+      else intra_ms += 1e3 * t.stages.intra, intra_rays += t.rays;
     }
     hidden_ = {share_of(ms, hidden), share_of(bytes, hidden)};
     ray_ms_ = share_of(intra_ms, intra_rays);

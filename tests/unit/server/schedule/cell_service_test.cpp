@@ -69,7 +69,7 @@ struct FakeTiles : TileSource {
     auto tile = std::make_shared<EncodedTile>();
     tile->bytes = std::make_shared<const Bytes>(100 + id.x);
     tile->seconds = 0.01;
-    tile->intra_seconds = 0.002;
+    tile->stages.intra = 0.002;
     return tile;
   }
   std::latch* gate = nullptr;
@@ -286,7 +286,7 @@ TEST_F(CellServiceTest, CellsReportWhatTheyCost) {
   EXPECT_EQ(cells[0].tiles, 3u);
   EXPECT_EQ(cells[0].bytes, 303u);
   EXPECT_NEAR(cells[0].seconds, 0.03, 1e-12);
-  EXPECT_NEAR(cells[0].intra_seconds, 0.006, 1e-12);
+  EXPECT_NEAR(cells[0].stages.intra, 0.006, 1e-12);
   EXPECT_TRUE(cells[1].is_leaf);
   EXPECT_EQ(service->statistics().tile_seconds.count, 3u);
 }

@@ -10,7 +10,7 @@ EncodedTile tile_of(std::size_t bytes, double seconds, double intra_seconds) {
   EncodedTile tile;
   tile.bytes = std::make_shared<const Bytes>(bytes);
   tile.seconds = seconds;
-  tile.intra_seconds = intra_seconds;
+  tile.stages.intra = intra_seconds;
   tile.covered_samples = 100;
   tile.colour_bytes = static_cast<std::uint32_t>(bytes / 2);
   return tile;
@@ -30,7 +30,7 @@ TEST(CellStatistics, AddsUpACellsOwnTilesAndKeepsTheFallbackViewApart) {
   const CellStatistics& own = cells[0].cell == leaf ? cells[0] : cells[1];
   EXPECT_TRUE(own.is_leaf);
   EXPECT_DOUBLE_EQ(own.seconds, 0.06);
-  EXPECT_DOUBLE_EQ(own.intra_seconds, 0.005);
+  EXPECT_DOUBLE_EQ(own.stages.intra, 0.005);
   EXPECT_DOUBLE_EQ(own.fallback_seconds, 0.04);
   EXPECT_DOUBLE_EQ(own.visibility_seconds, 0.5);
   EXPECT_EQ(own.tiles, 2u);
