@@ -14,6 +14,32 @@ double number(const std::atomic<std::uint64_t>& counter) {
 }
 double number(std::uint64_t value) { return static_cast<double>(value); }
 
+// Tier by tier within each metric, as the text format wants them.
+void write_store_metrics(PrometheusText& out, const CellServiceStatistics& shared) {
+  const StoreStatistics& memory = shared.store;
+  const BlobStoreStatistics& disk = shared.blobs;
+  const bool has_disk = disk.capacity_bytes > 0;
+  const MetricLabel in_memory{"tier", "memory"}, on_disk{"tier", "disk"};
+  const auto gauge = [&](std::string_view name, std::string_view help, double of_memory, double of_disk) {
+    out.gauge(name, help, of_memory, in_memory);
+    if (has_disk) out.gauge(name, help, of_disk, on_disk);
+  };
+  const auto counter = [&](std::string_view name, std::string_view help, double of_memory, double of_disk) {
+    out.counter(name, help, of_memory, in_memory);
+    if (has_disk) out.counter(name, help, of_disk, on_disk);
+  };
+  gauge("farfield_store_bytes", "What is kept: encoded tiles in memory; tiles, plans and names of leaves on disk.", number(memory.bytes), number(disk.bytes));
+  gauge("farfield_store_items", "How many of them.", number(memory.items), number(disk.items));
+  gauge("farfield_store_capacity_bytes", "Bound of the bytes.", number(memory.capacity_bytes), number(disk.capacity_bytes));
+  counter("farfield_store_hits_total", "Found.", number(memory.hits), number(disk.hits));
+  counter("farfield_store_misses_total", "Not found.", number(memory.misses), number(disk.misses));
+  counter("farfield_store_evictions_total", "Forgotten for lack of room.", number(memory.evictions), number(disk.evictions));
+  if (!has_disk) return;
+  out.counter("farfield_store_writes_total", "Written.", number(disk.inserts), on_disk);
+  out.counter("farfield_store_writes_dropped_total", "Not written, the disk being full or too slow: made again when next wanted.", number(disk.dropped), on_disk);
+  out.counter("farfield_store_damaged_total", "Found, and not what was written: taken for missing.", number(disk.damaged), on_disk);
+}
+
 }  // namespace
 
 void write_metrics(PrometheusText& out, const SessionMetrics& m) {
@@ -67,11 +93,7 @@ void write_metrics(PrometheusText& out, std::span<const std::shared_ptr<Measured
   out.counter("farfield_cast_jobs_total", "Jobs finished.", number(shared.pool.jobs));
   out.counter("farfield_cast_jobs_failed_total", "Jobs that let an exception escape.", number(shared.pool.failed));
   out.counter("farfield_cast_busy_seconds_total", "Thread seconds inside jobs.", shared.pool.busy_seconds);
-  out.gauge("farfield_store_bytes", "Encoded tiles in memory.", number(shared.store.bytes), {"tier", "memory"});
-  out.gauge("farfield_store_capacity_bytes", "Bound of the above.", number(shared.store.capacity_bytes), {"tier", "memory"});
-  out.counter("farfield_store_hits_total", "Tiles found.", number(shared.store.hits), {"tier", "memory"});
-  out.counter("farfield_store_misses_total", "Tiles not found.", number(shared.store.misses), {"tier", "memory"});
-  out.counter("farfield_store_evictions_total", "Tiles forgotten for lack of room.", number(shared.store.evictions), {"tier", "memory"});
+  write_store_metrics(out, shared);
 
   const auto per_scene = [&](auto write) {
     for (std::size_t i = 0; i < all.size(); ++i) write(all[i], MetricLabel{"scene", services[i]->scene().name});

@@ -25,7 +25,9 @@ struct ServiceOptions {
   LoadOptions load;
   ImpostorSettings settings;
   std::shared_ptr<TileStore> store;
-  std::shared_ptr<CastPool> pool;
+  std::shared_ptr<JobPool> pool;
+  std::shared_ptr<BlobStore> blobs;     // with a pool that waits for it; both may be null
+  std::shared_ptr<JobPool> fetch_pool;
   std::function<void(const std::string&)> log;  // progress and warnings, one line each; may be empty
 };
 

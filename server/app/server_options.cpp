@@ -18,6 +18,7 @@ constexpr int kInterruptedExit = 130;
 constexpr const char* kFooter = R"(Examples:
   farfield-server --scene clinic.glb
   farfield-server --scene plant=pipes:1000000:1 --scene town=tile.city.json --listen 0.0.0.0:7400
+  farfield-server --scene plant.glb --store /var/cache/farfield --store-bytes 100GiB
   farfield-server --scene delft.obj --up z --shift -84900,0,447600 --admin 127.0.0.1:7401
 
 SIGTERM stops taking clients, tells those connected to come back, and ends.
@@ -25,7 +26,7 @@ Exit codes: 0 told to stop, 1 failed, 2 wrong usage, 130 interrupted.)";
 
 struct RawOptions {
   std::vector<std::string> scenes;
-  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB";
+  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB", store_bytes = "16GiB";
   LoadArguments load;
   bool shows_version = false;
 };
@@ -37,6 +38,8 @@ void add_options(CLI::App& app, RawOptions& raw, ServerProgramOptions& options) 
   app.add_option("--listen", raw.listen, "HOST:PORT for clients; port 0 takes any free one and prints it")->capture_default_str();
   app.add_option("--admin", raw.admin, "HOST:PORT for /metrics, /healthz and /readyz (default: off)");
   app.add_option("--memory", raw.memory, "Bound of the encoded tiles kept in memory")->capture_default_str();
+  app.add_option("--store", options.store, "Folder where tiles and plans are kept for the next start (default: none)");
+  app.add_option("--store-bytes", raw.store_bytes, "Bound of that folder's contents; least recently used go first")->capture_default_str();
   app.add_option("--threads", options.threads, "Threads that make tiles (default: one per processor)")->check(whole_number_between(1, 1024));
   raw.load.add_to(app);
   add_quality_options(app, options.settings);
@@ -61,6 +64,9 @@ Status fill(const RawOptions& raw, ServerProgramOptions& options) {
   const Result<std::size_t> memory = parse_byte_size(raw.memory);
   if (!memory) return fail_within("--memory", memory.error());
   options.memory_bytes = *memory;
+  const Result<std::size_t> store_bytes = parse_byte_size(raw.store_bytes);
+  if (!store_bytes) return fail_within("--store-bytes", store_bytes.error());
+  options.store_bytes = *store_bytes;
   options.load = raw.load.options();
   ImpostorSettings& settings = options.settings;
   if (settings.face_tiles == 0) settings.face_tiles = face_tiles_for(settings.display, settings.kappa);

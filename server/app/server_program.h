@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ struct ServerProgramOptions {
   Endpoint listen;
   std::optional<Endpoint> admin;
   std::size_t memory_bytes = std::size_t{4} << 30;  // of encoded tiles
+  std::filesystem::path store;                      // folder of what outlives the process; empty: nothing does
+  std::size_t store_bytes = std::size_t{16} << 30;  // of it
   int threads = 0;                                  // that make tiles; 0: one per processor
   LoadOptions load;
   ImpostorSettings settings;

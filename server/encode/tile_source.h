@@ -30,6 +30,9 @@ struct TileSkips {
   }
 };
 
+/// Of the code that makes plans and tiles: raise it when they change for the same scene and settings, so that stores forget older ones.
+inline constexpr std::uint64_t kImpostorVersion = 1;
+
 struct EncodedTile {
   SharedBytes bytes;          // empty vector: the tile holds nothing and is not sent
   ContentHash hash = 0;       // of the bytes

@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/schedule/scheduled_cell_service.h"
 
+#include <array>
 #include <cmath>
-#include <mutex>
+#include <optional>
 #include <utility>
+
+#include "server/schedule/request_chain.h"
+#include "server/store/blob_records.h"
 
 namespace farfield {
 namespace {
-
-// A leaf request waits twice: for the name of its leaf, then for the leaf's plan.
-struct LeafName {
-  CellId leaf;
-  bool is_blocked = false;  // nobody can stand in it; found out only for those who are expected there
-};
-struct LeafRequest {
-  using NameFlight = SingleFlight<CellId, LeafName, JobQueue>;
-  using PlanFlight = SingleFlight<CellId, SharedPlan, JobQueue>;
-
-  std::mutex mutex;  // guards everything below
-  bool is_released = false;
-  CellId leaf;
-  PlanFlight::Handle plan;
-};
 
 bool is_finite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -37,13 +26,18 @@ class ScheduledCellService final : public MeasuredCellService {
  public:
   explicit ScheduledCellService(CellServiceParts parts)
       : parts_(std::move(parts)),
+        world_(world_of(parts_.scene)),
         grid_{parts_.scene.settings.finest_side_m},
         plan_cache_(parts_.plan_cache_bytes, parts_.scene.settings.finest_side_m),
         plans_(parts_.pool->queue()),
         leaf_names_(parts_.pool->queue()),
         fallbacks_(parts_.pool->queue()),
         tiles_(parts_.pool->queue()),
-        geometry_(parts_.pool->queue()) {}
+        geometry_(parts_.pool->queue()) {
+    if (!parts_.blobs) return;
+    fetched_leaves_.emplace(parts_.fetch_pool->queue());
+    fetched_tiles_.emplace(parts_.fetch_pool->queue());
+  }
 
   const SceneDescription& scene() const override { return parts_.scene; }
   PlacedSceneChunk chunk_placement(std::uint32_t chunk) const override { return parts_.geometry->placement(chunk); }
@@ -58,34 +52,16 @@ class ScheduledCellService final : public MeasuredCellService {
       answer(std::move(plan));
       return {};
     }
+    const auto chain = std::make_shared<RequestChain>();
     // Every leaf is a union of finest cells, so viewpoints in one finest cell share the search for their leaf.
     const CellId finest = grid_.cell_at(viewpoint, 0);
-    const auto request = std::make_shared<LeafRequest>();
     auto at_viewpoint = [this, viewpoint, answer = std::move(answer)](Result<SharedPlan> whole) {
       if (whole) *whole = plan_at(*whole, grid_, viewpoint);
       answer(std::move(whole));
     };
-    auto named = [this, request, priority, asked_s = clock_(), answer = std::move(at_viewpoint)](Result<LeafName> name) {
-      if (!name) {
-        answer(tl::unexpected<Error>(std::move(name.error())));
-      } else if (priority.prefetch && name->is_blocked) {
-        answer(fail(ErrorCode::kNotFound, "nobody can stand in the leaf ahead"));
-      } else {
-        plan(name->leaf, request, later(priority, clock_() - asked_s), answer);
-      }
-    };
-    const auto name = leaf_names_.join(
-        finest, priority,
-        [this, viewpoint, is_ahead = priority.prefetch](const CancelFlag& cancel) { return name_leaf(viewpoint, is_ahead, cancel); },
-        std::move(named));
-    return Ticket([this, finest, name, request] {
-      leaf_names_.withdraw(finest, name);
-      std::unique_lock lock(request->mutex);
-      request->is_released = true;
-      const auto waiting = std::exchange(request->plan, nullptr);
-      lock.unlock();
-      plans_.withdraw(request->leaf, waiting);
-    });
+    LeafRequest request{viewpoint, finest, priority, clock_(), std::move(at_viewpoint)};
+    if (fetched_leaves_) fetch_leaf(chain, std::move(request)); else name_leaf(chain, std::move(request));
+    return chain->ticket();
   }
 
   Ticket fallback(const glm::dvec3& viewpoint, const WorkPriority& priority, Answer<SharedPlan> answer) override {
@@ -111,9 +87,9 @@ class ScheduledCellService final : public MeasuredCellService {
       answer(std::move(tile));
       return {};
     }
-    const auto waiter = tiles_.join(
-        id, priority, [this, key](const CancelFlag& cancel) { return make_tile(key, cancel); }, std::move(answer));
-    return Ticket([this, id, waiter] { tiles_.withdraw(id, waiter); });
+    const auto chain = std::make_shared<RequestChain>();
+    if (fetched_tiles_) fetch_tile(chain, key, priority, std::move(answer)); else make_tile(chain, key, priority, std::move(answer));
+    return chain->ticket();
   }
 
   Ticket chunk(std::uint32_t chunk, const WorkPriority& priority, Answer<SharedBytes> answer) override {
@@ -143,6 +119,7 @@ class ScheduledCellService final : public MeasuredCellService {
     return {.queue = parts_.pool->queue_statistics(),
             .pool = parts_.pool->pool_statistics(),
             .store = parts_.store->statistics(),
+            .blobs = parts_.blobs ? parts_.blobs->statistics() : BlobStoreStatistics{},
             .plan_cache = plan_cache_.statistics(),
             .leaf_flights = leaf_names_.statistics(),
             .plan_flights = plans_.statistics(),
@@ -156,36 +133,148 @@ class ScheduledCellService final : public MeasuredCellService {
   std::vector<CellStatistics> cell_statistics() const override { return recorder_.cells(); }
 
  private:
-  Result<LeafName> name_leaf(const glm::dvec3& viewpoint, bool is_ahead, const CancelFlag& cancel) {
+  struct LeafRequest {
+    glm::dvec3 viewpoint;
+    CellId finest;  // that holds it
+    WorkPriority priority;
+    double asked_s = 0;
+    Answer<SharedPlan> answer;
+  };
+  // What the tiers behind memory know of a finest cell.
+  struct FetchedLeaf {
+    std::optional<LeafName> name;
+    SharedPlan plan;
+  };
+  // The waits of a request, in their order.
+  enum Step { kFetch, kName, kMake };
+
+  static ContentHash world_of(const SceneDescription& scene) {
+    const std::array<ContentHash, 2> parts{scene.hash, kImpostorVersion};
+    return hash_values(std::span<const ContentHash>(parts));
+  }
+  BlobKey blob_key(BlobKind kind, const TileId& name) const { return {world_, kind, name}; }
+  // What this version cannot read is missing, as what was never written is.
+  template <class Read>
+  auto fetched(BlobKind kind, const TileId& name, Read read) {
+    const SharedBytes bytes = parts_.blobs->find(blob_key(kind, name));
+    decltype(read(*bytes)) record = tl::unexpected<Error>(Error{ErrorCode::kNotFound, "not stored"});
+    if (bytes) record = read(*bytes);
+    return record;
+  }
+  void keep(BlobKind kind, const TileId& name, Bytes record) {
+    if (parts_.blobs) parts_.blobs->insert(blob_key(kind, name), std::make_shared<const Bytes>(std::move(record)));
+  }
+
+  // ── leaves: stored, else named, then planned ──
+  void fetch_leaf(const std::shared_ptr<RequestChain>& chain, LeafRequest request) {
+    chain->wait(kFetch, [&] {
+      const CellId finest = request.finest;
+      const WorkPriority priority = request.priority;
+      auto handle = fetched_leaves_->join(
+          finest, priority, [this, finest](const CancelFlag&) { return find_leaf(finest); },
+          [this, chain, request = std::move(request)](Result<FetchedLeaf> found) mutable { use_fetched(chain, std::move(request), std::move(found)); });
+      return [this, finest, handle = std::move(handle)] { fetched_leaves_->withdraw(finest, handle); };
+    });
+  }
+
+  Result<FetchedLeaf> find_leaf(const CellId& finest) {
+    FetchedLeaf found;
+    const Result<LeafName> name = fetched(BlobKind::kLeafName, {.cell = finest}, read_leaf_name_record);
+    if (!name || !finest.is_within(name->leaf)) return found;
+    found.name = *name;
+    found.plan = plan_cache_.peek(name->leaf);
+    if (found.plan || name->is_blocked) return found;
+    const auto read = [this](ByteView bytes) { return read_plan_record(bytes, parts_.geometry->chunk_count()); };
+    const Result<SharedPlan> plan = fetched(BlobKind::kPlan, {.cell = name->leaf}, read);
+    if (!plan || (*plan)->leaf != name->leaf) return found;
+    place_chunks(**plan);
+    plan_cache_.insert(*plan);
+    found.plan = *plan;
+    return found;
+  }
+
+  void use_fetched(const std::shared_ptr<RequestChain>& chain, LeafRequest request, Result<FetchedLeaf> found) {
+    if (found && found->plan) {
+      request.answer(std::move(found->plan));
+    } else if (found && found->name) {
+      use_name(chain, std::move(request), *found->name);
+    } else {
+      name_leaf(chain, std::move(request));
+    }
+  }
+
+  void name_leaf(const std::shared_ptr<RequestChain>& chain, LeafRequest request) {
+    chain->wait(kName, [&] {
+      const CellId finest = request.finest;
+      const WorkPriority priority = later(request.priority, clock_() - request.asked_s);
+      auto handle = leaf_names_.join(
+          finest, priority,
+          [this, finest, viewpoint = request.viewpoint, is_ahead = priority.prefetch](const CancelFlag& cancel) { return find_name(finest, viewpoint, is_ahead, cancel); },
+          [this, chain, request = std::move(request)](Result<LeafName> name) mutable {
+            if (name) use_name(chain, std::move(request), *name); else request.answer(tl::unexpected<Error>(std::move(name.error())));
+          });
+      return [this, finest, handle = std::move(handle)] { leaf_names_.withdraw(finest, handle); };
+    });
+  }
+
+  Result<LeafName> find_name(const CellId& finest, const glm::dvec3& viewpoint, bool is_ahead, const CancelFlag& cancel) {
     const Result<CellId> leaf = parts_.leaves->leaf_at(viewpoint, cancel);
     if (!leaf) return tl::unexpected(leaf.error());
-    if (!is_ahead || plan_cache_.peek(*leaf)) return LeafName{*leaf};
-    const Result<bool> can_stand = parts_.leaves->can_stand_in(*leaf, cancel);
-    if (!can_stand) return tl::unexpected(can_stand.error());
-    return LeafName{*leaf, !*can_stand};
+    LeafName name{*leaf};
+    if (is_ahead && !plan_cache_.peek(*leaf)) {
+      const Result<bool> can_stand = parts_.leaves->can_stand_in(*leaf, cancel);
+      if (!can_stand) return tl::unexpected(can_stand.error());
+      name.is_blocked = !*can_stand;
+    }
+    keep(BlobKind::kLeafName, {.cell = finest}, write_leaf_name_record(name));
+    return name;
+  }
+
+  void use_name(const std::shared_ptr<RequestChain>& chain, LeafRequest request, const LeafName& name) {
+    if (request.priority.prefetch && name.is_blocked) {
+      request.answer(fail(ErrorCode::kNotFound, "nobody can stand in the leaf ahead"));
+    } else if (SharedPlan known = plan_cache_.peek(name.leaf)) {
+      request.answer(std::move(known));
+    } else {
+      chain->wait(kMake, [&] {
+        const WorkPriority priority = later(request.priority, clock_() - request.asked_s);
+        auto handle = plans_.join(
+            name.leaf, priority, [this, leaf = name.leaf](const CancelFlag& cancel) { return make_plan(leaf, cancel); }, std::move(request.answer));
+        return [this, leaf = name.leaf, handle = std::move(handle)] { plans_.withdraw(leaf, handle); };
+      });
+    }
+  }
+
+  // ── tiles: stored, else made ──
+  void fetch_tile(const std::shared_ptr<RequestChain>& chain, const TileKey& key, const WorkPriority& priority, Answer<SharedTile> answer) {
+    chain->wait(kFetch, [&] {
+      auto handle = fetched_tiles_->join(
+          key.tile, priority, [this, key](const CancelFlag&) { return find_tile(key); },
+          [this, chain, key, priority, asked_s = clock_(), answer = std::move(answer)](Result<SharedTile> found) mutable {
+            if (found && *found) answer(std::move(found)); else make_tile(chain, key, later(priority, clock_() - asked_s), std::move(answer));
+          });
+      return [this, tile = key.tile, handle = std::move(handle)] { fetched_tiles_->withdraw(tile, handle); };
+    });
+  }
+
+  // Returns: null if it is not stored.
+  Result<SharedTile> find_tile(const TileKey& key) {
+    if (SharedTile known = parts_.store->peek(key)) return known;
+    const Result<SharedTile> tile = fetched(BlobKind::kTile, key.tile, read_tile_record);
+    if (!tile) return SharedTile();
+    parts_.store->insert(key, *tile);
+    return *tile;
+  }
+
+  void make_tile(const std::shared_ptr<RequestChain>& chain, const TileKey& key, const WorkPriority& priority, Answer<SharedTile> answer) {
+    chain->wait(kMake, [&] {
+      auto handle = tiles_.join(
+          key.tile, priority, [this, key](const CancelFlag& cancel) { return make_tile(key, cancel); }, std::move(answer));
+      return [this, tile = key.tile, handle = std::move(handle)] { tiles_.withdraw(tile, handle); };
+    });
   }
 
   static constexpr std::uint64_t kTextureKeys = std::uint64_t{1} << 63;  // chunks are keyed by their index alone
-
-  // The second half of a leaf request: no ticket of its own, the request's withdraws it.
-  void plan(const CellId& leaf, const std::shared_ptr<LeafRequest>& request, const WorkPriority& priority,
-            const Answer<SharedPlan>& answer) {
-    if (SharedPlan known = plan_cache_.peek(leaf)) {
-      answer(std::move(known));
-      return;
-    }
-    const auto waiter = plans_.join(
-        leaf, priority, [this, leaf](const CancelFlag& cancel) { return make_plan(leaf, cancel); }, answer);
-    {
-      const std::scoped_lock lock(request->mutex);
-      request->leaf = leaf;
-      if (!request->is_released) {
-        request->plan = waiter;
-        return;
-      }
-    }
-    plans_.withdraw(leaf, waiter);  // released between the two halves
-  }
 
   // What is only cheap after its first call is called here once, not on the session's thread.
   void place_chunks(const LeafPlan& plan) const {
@@ -200,6 +289,7 @@ class ScheduledCellService final : public MeasuredCellService {
     if (!*made) return fail(ErrorCode::kInternal, "the leaf source returned no plan and no error");
     place_chunks(**made);
     plan_cache_.insert(*made);
+    keep(BlobKind::kPlan, {.cell = leaf}, write_plan_record(**made));
     recorder_.add_plan(**made);
     return made;
   }
@@ -212,6 +302,7 @@ class ScheduledCellService final : public MeasuredCellService {
       return fail(ErrorCode::kInternal, "the tile source returned no tile and no error");
     }
     parts_.store->insert(key, *made);
+    keep(BlobKind::kTile, key.tile, write_tile_record(**made));
     recorder_.add_tile(key.tile, **made);
     return made;
   }
@@ -225,15 +316,18 @@ class ScheduledCellService final : public MeasuredCellService {
 
   const CellServiceParts parts_;
   const SecondsClock clock_ = steady_clock_seconds();
+  const ContentHash world_;  // of the blobs
   const CellGrid grid_;
   PlanCache plan_cache_;
   CellStatisticsRecorder recorder_;
-  // Destroyed in the opposite order: names first, because their answers join plans.
-  LeafRequest::PlanFlight plans_;
-  LeafRequest::NameFlight leaf_names_;
-  LeafRequest::PlanFlight fallbacks_;  // by the finest cell of the viewpoint
+  // Destroyed in the opposite order: the answers of those below join those above.
+  SingleFlight<CellId, SharedPlan, JobQueue> plans_;
+  SingleFlight<CellId, LeafName, JobQueue> leaf_names_;
+  SingleFlight<CellId, SharedPlan, JobQueue> fallbacks_;  // by the finest cell of the viewpoint
   SingleFlight<TileId, SharedTile, JobQueue> tiles_;
   SingleFlight<std::uint64_t, SharedBytes, JobQueue> geometry_;
+  std::optional<SingleFlight<CellId, FetchedLeaf, JobQueue>> fetched_leaves_;  // by finest cell; none without blobs
+  std::optional<SingleFlight<TileId, SharedTile, JobQueue>> fetched_tiles_;
 };
 
 }  // namespace

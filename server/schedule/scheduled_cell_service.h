@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cell service of one scene: the store in front, single flight behind it, the shared queue and pool for the work.
 //
-//   request ─▶ plan cache / tile store ─▶ single flight ─▶ job queue ─▶ worker: source makes it ─▶ store ─▶ answers
+//   request ─▶ plan cache / tile store ─▶ blobs (disk, network) ─▶ single flight ─▶ job queue ─▶ worker: source makes it
+//                                                                                   ─▶ store, blobs ─▶ answers
 //
 // Owns nothing of the scene but shares in it. Destroying the service drops all outstanding answers, cancels its work
 // and waits for what runs.
@@ -15,26 +16,30 @@
 #include "server/schedule/geometry_source.h"
 #include "server/schedule/plan_cache.h"
 #include "server/schedule/worker_pool.h"
+#include "server/store/blob_store.h"
 #include "server/store/single_flight.h"
 #include "server/store/tile_store.h"
 
 namespace farfield {
 
-/// Everything a service needs; none may be null.
+/// Everything a service needs; none may be null but where it says so.
 struct CellServiceParts {
   SceneDescription scene;                          // its hash names the world in the store
   std::shared_ptr<const GeometrySource> geometry;  // scene_geometry(scene)
   std::shared_ptr<LeafSource> leaves;
   std::shared_ptr<TileSource> tiles;
   std::shared_ptr<TileStore> store;  // may be shared by the services of several scenes
-  std::shared_ptr<CastPool> pool;    // likewise
+  std::shared_ptr<JobPool> pool;     // likewise; casts
+  std::shared_ptr<BlobStore> blobs;  // likewise; null: nothing outlives the process
+  std::shared_ptr<JobPool> fetch_pool;  // likewise; waits for the blobs' disk or network; null without them
   std::size_t plan_cache_bytes = std::size_t{64} << 20;
 };
 
 struct CellServiceStatistics {
   QueueStatistics queue;  // of the pool, all scenes together
   PoolStatistics pool;
-  StoreStatistics store;  // all scenes together
+  StoreStatistics store;      // all scenes together
+  BlobStoreStatistics blobs;  // likewise
   PlanCacheStatistics plan_cache;
   FlightStatistics leaf_flights, plan_flights, tile_flights, geometry_flights;
   DurationHistogram tile_seconds;  // thread seconds per tile made

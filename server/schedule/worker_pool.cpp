@@ -10,12 +10,12 @@
 
 namespace farfield {
 
-WorkerPool::WorkerPool(JobQueue& queue, int threads, SecondsClock clock) : queue_(queue), clock_(std::move(clock)) {
+WorkerPool::WorkerPool(JobQueue& queue, int threads, SecondsClock clock, const char* name) : queue_(queue), clock_(std::move(clock)) {
   const int count = std::max(threads, 1);
   threads_.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     threads_.emplace_back([this] { work(); });
-    pthread_setname_np(threads_.back().native_handle(), ("cast-" + std::to_string(i)).c_str());
+    pthread_setname_np(threads_.back().native_handle(), (std::string(name) + "-" + std::to_string(i)).c_str());
   }
 }
 
@@ -67,9 +67,9 @@ void WorkerPool::work() {
   }
 }
 
-CastPool::CastPool(int threads, std::size_t queue_capacity, SecondsClock clock)
+JobPool::JobPool(int threads, std::size_t queue_capacity, SecondsClock clock, const char* name)
     : queue_(queue_capacity, clock),
-      pool_(queue_, threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), clock) {}
+      pool_(queue_, threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), clock, name) {}
 
 PoolStatistics WorkerPool::statistics() const {
   const std::scoped_lock lock(mutex_);

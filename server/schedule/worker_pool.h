@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pool "cast": threads that take jobs from one queue until it is closed. They are plain threads; Embree's queries
-// need no more, and a job that uses TBB itself shares the process's one arena.
+// Pools of threads that take jobs from one queue until it is closed: "cast" for what processors do, "disk" for what waits. They are
+// plain threads; Embree's queries need no more, and a job that uses TBB itself shares the process's one arena.
 #pragma once
 
 #include <atomic>
@@ -25,7 +25,7 @@ struct PoolStatistics {
 class WorkerPool {
  public:
   /// `queue` outlives the pool. `threads` < 1 counts as 1.
-  WorkerPool(JobQueue& queue, int threads, SecondsClock clock = steady_clock_seconds());
+  WorkerPool(JobQueue& queue, int threads, SecondsClock clock = steady_clock_seconds(), const char* name = "cast");
   /// Closes the queue and waits for the jobs that run.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -53,13 +53,13 @@ class WorkerPool {
   std::vector<std::jthread> threads_;  // last: its destructor joins while the rest still stands
 };
 
-/// The queue and its pool: one per process, shared by the services of all its scenes.
-class CastPool {
+/// A queue and its pool: one of each name per process, shared by the services of all its scenes.
+class JobPool {
  public:
   static constexpr std::size_t kDefaultQueueCapacity = 100'000;
-  /// `threads` 0: one per processor.
-  explicit CastPool(int threads = 0, std::size_t queue_capacity = kDefaultQueueCapacity,
-                    SecondsClock clock = steady_clock_seconds());
+  /// `threads` 0: one per processor. `name`: of its threads, with a number behind it.
+  explicit JobPool(int threads = 0, std::size_t queue_capacity = kDefaultQueueCapacity,
+                   SecondsClock clock = steady_clock_seconds(), const char* name = "cast");
 
   JobQueue& queue() { return queue_; }
   QueueStatistics queue_statistics() const { return queue_.statistics(); }

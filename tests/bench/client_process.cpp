@@ -49,7 +49,7 @@ Result<Child> start_child(const std::vector<std::string>& words) {
 /// Pauses the pool at most once, and lets it go on when the client is gone.
 class Quiet {
  public:
-  explicit Quiet(CastPool& pool) : pool_(pool) {}
+  explicit Quiet(JobPool& pool) : pool_(pool) {}
   ~Quiet() { end(); }
   Quiet(const Quiet&) = delete;
   Quiet& operator=(const Quiet&) = delete;
@@ -63,12 +63,12 @@ class Quiet {
   }
 
  private:
-  CastPool& pool_;
+  JobPool& pool_;
   bool is_on_ = false;
 };
 
 /// Answers the client until it has closed its output. Returns: its last line.
-std::string converse(const Child& child, CastPool& pool) {
+std::string converse(const Child& child, JobPool& pool) {
   Quiet quiet(pool);
   std::string last;
   char* line = nullptr;
@@ -90,7 +90,7 @@ std::string converse(const Child& child, CastPool& pool) {
 
 }  // namespace
 
-Result<nlohmann::json> run_client(const Display& d, const ClientRun& run, CastPool& pool) {
+Result<nlohmann::json> run_client(const Display& d, const ClientRun& run, JobPool& pool) {
   std::signal(SIGPIPE, SIG_IGN);  // a client that died is seen by its output's end
   const Result<Child> child = start_child(
       {"farfield-bench", "--role", "client", "--endpoint", to_string(run.endpoint), "--renderer", run.renderer, "--mode",

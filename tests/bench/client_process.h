@@ -31,6 +31,6 @@ struct ClientRun {
 
 /// Starts this program again as a client and waits for it. `pool` pauses while the client asks for quiet.
 /// Returns: the JSON object that is the last line it prints. Errors: kUnavailable, with what the client said.
-Result<nlohmann::json> run_client(const Display& display, const ClientRun& run, CastPool& pool);
+Result<nlohmann::json> run_client(const Display& display, const ClientRun& run, JobPool& pool);
 
 }  // namespace farfield::bench

@@ -26,7 +26,7 @@ namespace {
 
 struct Serving {
   std::shared_ptr<MemoryTileStore> store;
-  std::shared_ptr<CastPool> pool;
+  std::shared_ptr<JobPool> pool;
   std::shared_ptr<MeasuredCellService> service;
   std::unique_ptr<Server> server;
   ~Serving() {
@@ -45,7 +45,7 @@ struct FarfieldSettings {
 Result<std::unique_ptr<Serving>> serve(const World& world, const ImpostorSettings& settings) {
   auto serving = std::make_unique<Serving>();
   serving->store = std::make_shared<MemoryTileStore>(std::size_t{4} << 30);
-  serving->pool = std::make_shared<CastPool>(world.options.threads);
+  serving->pool = std::make_shared<JobPool>(world.options.threads);
   ServiceOptions options;
   options.settings = settings;
   options.store = serving->store, options.pool = serving->pool;

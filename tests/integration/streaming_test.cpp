@@ -33,7 +33,7 @@ class StreamingTest : public ::testing::Test {
     options.settings.near_triangles = 3000;
     options.settings.finest_side_m = 4;
     options.store = std::make_shared<MemoryTileStore>(std::size_t{256} << 20);
-    options.pool = std::make_shared<CastPool>(2);
+    options.pool = std::make_shared<JobPool>(2);
     auto built = build_service({"plant", "pipes:10000:1"}, options);
     ASSERT_TRUE(built) << built.error().message;
     service_ = new std::shared_ptr<MeasuredCellService>(std::move(*built));

@@ -88,7 +88,7 @@ void service_makes_a_leaf_set(benchmark::State& state) {
   parts.leaves = std::make_shared<NoLeaves>();
   parts.tiles = std::make_shared<FreeTiles>();
   parts.store = std::make_shared<MemoryTileStore>(0);
-  parts.pool = std::make_shared<CastPool>(2);
+  parts.pool = std::make_shared<JobPool>(2);
   const auto service = make_cell_service(std::move(parts));
   constexpr int kSet = 500;
   for (auto _ : state) {

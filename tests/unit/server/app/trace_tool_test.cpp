@@ -9,7 +9,7 @@
 
 #include "common/image/png.h"
 #include "common/trace/trace_file.h"
-#include "tests/unit/server/model/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace farfield {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <chrono>
 
-#include "temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace farfield {
 namespace {

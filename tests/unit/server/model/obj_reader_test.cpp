@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/model/texture_file.h"
-#include "temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace farfield {
 namespace {

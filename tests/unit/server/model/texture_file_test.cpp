@@ -7,7 +7,7 @@
 #include <random>
 
 #include "server/model/row_reducer.h"
-#include "temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/small_jpeg.h"
 
 namespace farfield {

@@ -7,7 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "server/model/load_model.h"
-#include "temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace farfield {
 namespace {

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <latch>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -92,7 +94,7 @@ struct CellServiceTest : testing::Test {
   std::shared_ptr<FakeLeaves> leaves = std::make_shared<FakeLeaves>();
   std::shared_ptr<FakeTiles> tiles = std::make_shared<FakeTiles>();
   std::shared_ptr<MemoryTileStore> store = std::make_shared<MemoryTileStore>(1 << 20);
-  std::shared_ptr<CastPool> pool = std::make_shared<CastPool>(2);
+  std::shared_ptr<JobPool> pool = std::make_shared<JobPool>(2);
   std::unique_ptr<MeasuredCellService> service = make();
 
   std::unique_ptr<MeasuredCellService> make() {
@@ -301,6 +303,168 @@ TEST_F(CellServiceTest, DestroyingTheServiceWaitsForItsCancelledWork) {
   EXPECT_EQ(tiles->cancelled, tiles->made);
   EXPECT_LT(tiles->made, 20);
   EXPECT_EQ(pool->queue_statistics().queued, 0u);
+}
+
+// ── with a tier that outlives the service ──
+
+// A map, read slowly if asked to.
+struct FakeBlobs : BlobStore {
+  const char* tier() const override { return "fake"; }
+  SharedBytes find(const BlobKey& key) override {
+    ++asked;
+    if (gate) gate->wait();
+    const std::scoped_lock lock(mutex);
+    const auto at = blobs.find(key);
+    return at == blobs.end() ? nullptr : at->second;
+  }
+  void insert(const BlobKey& key, SharedBytes bytes) override {
+    const std::scoped_lock lock(mutex);
+    blobs[key] = std::move(bytes);
+  }
+  Status flush() override { return {}; }
+  BlobStoreStatistics statistics() const override { return {}; }
+  std::size_t size() const {
+    const std::scoped_lock lock(mutex);
+    return blobs.size();
+  }
+  mutable std::mutex mutex;
+  std::map<BlobKey, SharedBytes> blobs;
+  std::latch* gate = nullptr;
+  std::atomic<int> asked{0};
+};
+
+struct StoredServiceTest : CellServiceTest {
+  std::shared_ptr<FakeBlobs> blobs = std::make_shared<FakeBlobs>();
+  std::shared_ptr<JobPool> fetch_pool = std::make_shared<JobPool>(2, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "disk");
+
+  // As after a restart: nothing in memory.
+  void restart(ContentHash hash = 77) {
+    service.reset();
+    store = std::make_shared<MemoryTileStore>(1 << 20);
+    SceneDescription scene;
+    scene.hash = hash;
+    scene.settings.finest_side_m = 1.0;
+    service = make_cell_service({.scene = scene, .geometry = std::make_shared<const FakeGeometry>(), .leaves = leaves, .tiles = tiles,
+                                 .store = store, .pool = pool, .blobs = blobs, .fetch_pool = fetch_pool});
+  }
+  SharedTile tile_now(std::uint8_t x) {
+    std::atomic<bool> is_answered{false};
+    SharedTile result;
+    const Ticket ticket = service->tile(tile_id(x), {}, [&](Result<SharedTile> tile) {
+      if (tile) result = *tile;
+      is_answered = true;
+    });
+    EXPECT_TRUE(eventually([&] { return is_answered.load(); }));
+    return result;
+  }
+  Result<SharedPlan> plan_now(const glm::dvec3& viewpoint, const WorkPriority& priority = {}) {
+    std::atomic<bool> is_answered{false};
+    Result<SharedPlan> result;
+    const Ticket ticket = service->leaf(viewpoint, priority, [&](Result<SharedPlan> plan) {
+      result = std::move(plan);
+      is_answered = true;
+    });
+    EXPECT_TRUE(eventually([&] { return is_answered.load(); }));
+    return result;
+  }
+};
+
+TEST_F(StoredServiceTest, ARestartedServiceMakesNothingAgain) {
+  restart();
+  ASSERT_TRUE(tile_now(7));
+  const Result<SharedPlan> before = plan_now({0.5, 0.5, 0.5});
+  ASSERT_TRUE(before);
+  restart();
+  const SharedTile tile = tile_now(7);
+  ASSERT_TRUE(tile);
+  EXPECT_EQ(tile->bytes->size(), 107u);
+  const Result<SharedPlan> after = plan_now({0.5, 0.5, 0.5});
+  ASSERT_TRUE(after);
+  EXPECT_EQ((*after)->leaf, (*before)->leaf);
+  EXPECT_EQ(tiles->made, 1);
+  EXPECT_EQ(leaves->plans, 1);
+  EXPECT_EQ(leaves->searches, 1);
+  // Another finest cell of the same leaf: only its name is new.
+  ASSERT_TRUE(plan_now({0.5, 0.5, -0.5}));
+  EXPECT_EQ(leaves->plans, 1);
+}
+
+TEST_F(StoredServiceTest, WhatWasFetchedIsInMemoryAfterwards) {
+  restart();
+  tile_now(7), restart(), tile_now(7);
+  const int asked = blobs->asked;
+  EXPECT_TRUE(tile_now(7));
+  EXPECT_EQ(blobs->asked, asked);
+}
+
+TEST_F(StoredServiceTest, AChangedModelIsServedNothingOfTheOldOne) {
+  restart();
+  tile_now(7), (void)plan_now({0.5, 0.5, 0.5});
+  restart(78);
+  tile_now(7), (void)plan_now({0.5, 0.5, 0.5});
+  EXPECT_EQ(tiles->made, 2);
+  EXPECT_EQ(leaves->plans, 2);
+}
+
+TEST_F(StoredServiceTest, WhatCannotBeReadIsMadeAgainAndRepaired) {
+  restart();
+  tile_now(7), (void)plan_now({0.5, 0.5, 0.5});
+  const std::size_t size = blobs->size();
+  for (auto& [key, bytes] : blobs->blobs) bytes = std::make_shared<const Bytes>(Bytes{9, 9, 9});
+  restart();
+  EXPECT_TRUE(tile_now(7));
+  EXPECT_TRUE(plan_now({0.5, 0.5, 0.5}));
+  EXPECT_EQ(tiles->made, 2);
+  EXPECT_EQ(leaves->plans, 2);
+  EXPECT_EQ(blobs->size(), size);
+  restart();
+  EXPECT_TRUE(tile_now(7));
+  EXPECT_EQ(tiles->made, 2) << "repaired";
+}
+
+TEST_F(StoredServiceTest, BlockedLeavesStayBlockedForThoseAheadAndOpenForThoseThere) {
+  leaves->is_blocked = true;
+  restart();
+  const WorkPriority ahead{.prefetch = true};
+  EXPECT_FALSE(plan_now({0.5, 0.5, 0.5}, ahead));
+  restart();
+  const Result<SharedPlan> blocked = plan_now({0.5, 0.5, 0.5}, ahead);
+  ASSERT_FALSE(blocked);
+  EXPECT_EQ(blocked.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(leaves->stood, 1);
+  EXPECT_TRUE(plan_now({0.5, 0.5, 0.5}));
+}
+
+TEST_F(StoredServiceTest, ReleasedWhileItIsFetchedItIsNeverMade) {
+  std::latch gate(1);
+  restart();
+  blobs->gate = &gate;
+  Ticket tile = service->tile(tile_id(9), {}, [](Result<SharedTile>) {});
+  Ticket leaf = service->leaf({0.5, 0.5, 0.5}, {}, [](Result<SharedPlan>) {});
+  ASSERT_TRUE(eventually([&] { return blobs->asked == 2; }));
+  tile.release(), leaf.release();
+  gate.count_down();
+  blobs->gate = nullptr;
+  EXPECT_TRUE(tile_now(10));
+  EXPECT_EQ(tiles->made, 1) << "only the one asked for since";
+  EXPECT_EQ(leaves->searches, 0);
+}
+
+TEST_F(StoredServiceTest, AHundredThreadsFetchOnceAndMakeOnce) {
+  std::latch gate(1);
+  restart();
+  blobs->gate = &gate;
+  std::atomic<int> answers{0};
+  std::vector<Ticket> tickets(100);
+  {
+    std::vector<std::jthread> viewers;
+    for (std::size_t i = 0; i < tickets.size(); ++i)
+      viewers.emplace_back([&, i] { tickets[i] = service->tile(tile_id(7), {}, [&](Result<SharedTile> tile) { answers += tile.has_value(); }); });
+  }
+  gate.count_down();
+  EXPECT_TRUE(eventually([&] { return answers == 100; }));
+  EXPECT_EQ(blobs->asked, 1);
+  EXPECT_EQ(tiles->made, 1);
 }
 
 }  // namespace

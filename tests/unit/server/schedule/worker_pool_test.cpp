@@ -10,7 +10,7 @@ namespace farfield {
 namespace {
 
 TEST(WorkerPool, RunsJobsOnAllItsThreads) {
-  CastPool pool(2);
+  JobPool pool(2);
   std::latch both(2);  // passes only if two jobs run at the same time
   for (int i = 0; i < 2; ++i) pool.queue().push({}, [&both] { both.arrive_and_wait(); });
   both.wait();
@@ -18,7 +18,7 @@ TEST(WorkerPool, RunsJobsOnAllItsThreads) {
 }
 
 TEST(WorkerPool, SurvivesAJobThatThrows) {
-  CastPool pool(1);
+  JobPool pool(1);
   std::latch done(1);
   pool.queue().push({}, [] { throw std::runtime_error("oops"); });
   pool.queue().push({.seconds_until_needed = 1}, [&done] { done.count_down(); });
@@ -41,7 +41,7 @@ TEST(WorkerPool, CountsWorkedSeconds) {
 }
 
 TEST(WorkerPool, PausesBetweenJobs) {
-  CastPool pool(2);
+  JobPool pool(2);
   std::atomic<int> begun{0}, ended{0};
   std::latch first(1), all(5);
   pool.queue().push({}, [&] {
@@ -67,7 +67,7 @@ TEST(WorkerPool, PausesBetweenJobs) {
 }
 
 TEST(WorkerPool, EndsWhilePaused) {
-  CastPool pool(2);
+  JobPool pool(2);
   pool.pause();
   pool.queue().push({}, [] {});
 }
@@ -76,7 +76,7 @@ TEST(WorkerPool, DestructionWaitsForTheRunningJobAndDropsTheRest) {
   std::atomic<int> ran{0};
   std::latch begun(1);
   {
-    CastPool pool(1);
+    JobPool pool(1);
     pool.queue().push({}, [&] {
       begun.count_down();
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
