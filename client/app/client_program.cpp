@@ -8,7 +8,7 @@
 
 #include "client/app/frame_writer.h"
 #include "client/app/headless_run.h"
-#include "client/app/interrupt_watch.h"
+#include "common/base/interrupt_watch.h"
 #include "client/input/run_window.h"
 #include "common/base/complete_file.h"
 #include "common/base/one_line.h"

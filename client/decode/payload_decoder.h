@@ -11,8 +11,9 @@
 
 namespace farfield::client {
 
-/// What a tile is turned into: a depth mesh for the GL renderer, splats for the CPU warper.
-enum class DecodeForm { kMesh, kSplats, kBoth };
+/// What a tile is turned into: a depth mesh for the GL renderer, splats for the CPU warper. Nothing: what arrives is counted and held,
+/// and cannot be drawn; for clients that only put load on a server.
+enum class DecodeForm { kMesh, kSplats, kBoth, kNone };
 
 /// Bytes to a tile; the codec of common/codec unless a test brings its own. Must be thread-safe.
 using TileDecoder = std::function<Result<Tile>(ByteView)>;
@@ -25,6 +26,7 @@ class PayloadDecoder {
   Result<DecodedPayload> decode(const EncodedPayload& payload) const;
 
  private:
+  static DecodedPayload undecoded(const EncodedPayload& payload);
   Result<DecodedPayload> decode_tile_payload(const EncodedPayload& payload) const;
 
   CellGrid grid_;

@@ -9,6 +9,7 @@ namespace farfield {
 namespace {
 
 constexpr double kLongestSeconds = 60;  // of delay or jitter
+constexpr double kLongestCutSeconds = 86400;
 constexpr double kPacketBytes = 1448;  // TCP payload of an Ethernet packet with timestamps
 
 struct Quantity {
@@ -36,13 +37,13 @@ Result<double> parse_rate(std::string_view text) {
   return fail(ErrorCode::kInvalidArgument, "rate={}: write a unit: bit, kbit, mbit or gbit", text);
 }
 
-Result<double> parse_seconds(std::string_view key, std::string_view text) {
+Result<double> parse_seconds(std::string_view key, std::string_view text, double longest) {
   const Result<Quantity> quantity = parse_quantity(text);
   if (!quantity) return tl::unexpected(quantity.error());
   for (const auto& [unit, factor] : {std::pair<std::string_view, double>{"us", 1e-6}, {"ms", 1e-3}, {"s", 1}}) {
     if (quantity->unit != unit) continue;
-    if (quantity->value * factor <= kLongestSeconds) return quantity->value * factor;
-    return fail(ErrorCode::kInvalidArgument, "{}={}: at most {} s are modelled", key, text, kLongestSeconds);
+    if (quantity->value * factor <= longest) return quantity->value * factor;
+    return fail(ErrorCode::kInvalidArgument, "{}={}: at most {} s are modelled", key, text, longest);
   }
   return fail(ErrorCode::kInvalidArgument, "{}={}: write a unit: us, ms or s", key, text);
 }
@@ -58,15 +59,17 @@ Result<double> parse_share(std::string_view text) {
 
 Status set_field(LinkModel& model, std::string_view key, std::string_view value) {
   Result<double> number = fail(ErrorCode::kInvalidArgument,
-                               "'{}' is no property of a link: there are rate, delay, jitter and loss", key);
+                               "'{}' is no property of a link: there are rate, delay, jitter, loss and cut", key);
   if (key == "rate") number = parse_rate(value);
-  if (key == "delay" || key == "jitter") number = parse_seconds(key, value);
+  if (key == "delay" || key == "jitter") number = parse_seconds(key, value, kLongestSeconds);
+  if (key == "cut") number = parse_seconds(key, value, kLongestCutSeconds);
   if (key == "loss") number = parse_share(value);
   if (!number) return tl::unexpected(number.error());
   if (key == "rate") model.rate_bits_per_second = *number;
   if (key == "delay") model.delay = LinkShaper::Seconds(*number);
   if (key == "jitter") model.jitter = LinkShaper::Seconds(*number);
   if (key == "loss") model.loss = *number;
+  if (key == "cut") model.cut = LinkShaper::Seconds(*number);
   return {};
 }
 
@@ -101,6 +104,7 @@ std::string to_string(const LinkModel& model) {
   if (model.delay.count() > 0) add(fmt::format("delay={:g}ms", model.delay.count() * 1e3));
   if (model.jitter.count() > 0) add(fmt::format("jitter={:g}ms", model.jitter.count() * 1e3));
   if (model.loss > 0) add(fmt::format("loss={:g}%", model.loss * 100));
+  if (model.cut.count() > 0) add(fmt::format("cut={:g}s", model.cut.count()));
   return text;
 }
 

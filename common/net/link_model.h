@@ -21,14 +21,15 @@ struct LinkModel {
   std::chrono::duration<double> delay{0};       // one way
   std::chrono::duration<double> jitter{0};      // added to the delay, uniform in [0, jitter)
   double loss = 0;                              // share of packets lost, 0 … 1
+  std::chrono::duration<double> cut{0};         // mean time until a connection breaks, whatever was before; 0: never
 
   bool is_none() const {
-    return !(rate_bits_per_second > 0) && !(delay.count() > 0) && !(jitter.count() > 0) && !(loss > 0);
+    return !(rate_bits_per_second > 0) && !(delay.count() > 0) && !(jitter.count() > 0) && !(loss > 0) && !(cut.count() > 0);
   }
   std::size_t bandwidth_delay_bytes() const;
 };
 
-/// "rate=20mbit,delay=50ms,jitter=20ms,loss=0.1%" in any order and choice, or "none". Rates in bit, kbit, mbit, gbit
+/// "rate=20mbit,delay=50ms,jitter=20ms,loss=0.1%,cut=30s" in any order and choice, or "none". Rates in bit, kbit, mbit, gbit
 /// (per second, factors of 1000), times in us, ms, s; loss in percent. Errors: kInvalidArgument.
 Result<LinkModel> parse_link_model(std::string_view text);
 std::string to_string(const LinkModel& model);

@@ -57,7 +57,9 @@ struct Pair {
         client(std::move(client_socket)),
         target(client.get_executor()),
         up(link, 2 * seed, client.get_executor()),
-        down(link, 2 * seed + 1, client.get_executor()) {}
+        down(link, 2 * seed + 1, client.get_executor()),
+        break_at(client.get_executor()),
+        random(seed) {}
   void close() {
     asio::error_code ignored;
     is_closed = true;
@@ -66,6 +68,7 @@ struct Pair {
       socket->set_option(asio::socket_base::linger(true, 0), ignored);
       socket->close(ignored);
     }
+    break_at.cancel();
     for (Direction* direction : {&up, &down}) {
       direction->room.cancel();
       direction->arrived.cancel();
@@ -75,8 +78,21 @@ struct Pair {
   LinkModel model;
   tcp::socket client, target;
   Direction up, down;
+  asio::steady_timer break_at;  // until it is cut, if the model says so
+  std::mt19937_64 random;
   bool is_closed = false;
 };
+
+// Breaks happen at any moment alike, so that the time to the next one is exponential.
+void cut_in_time(const std::shared_ptr<Pair>& pair) {
+  if (!(pair->model.cut.count() > 0)) return;
+  const double seconds = std::exponential_distribution<double>(1 / pair->model.cut.count())(pair->random);
+  pair->break_at.expires_after(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+  pair->break_at.async_wait([weak = std::weak_ptr<Pair>(pair)](const asio::error_code& error) {
+    const auto open_pair = error ? nullptr : weak.lock();
+    if (open_pair) open_pair->close();
+  });
+}
 
 asio::awaitable<void> read_into(std::shared_ptr<Pair> pair, tcp::socket* from, Direction* direction) {
   asio::error_code error;
@@ -171,6 +187,7 @@ struct LinkProxy::State {
     if (state->receive_buffer_bytes > 0) {
       pair->target.set_option(asio::socket_base::receive_buffer_size(state->receive_buffer_bytes), ignored);
     }
+    cut_in_time(pair);
     asio::co_spawn(executor, read_into(pair, &pair->client, &pair->up), asio::detached);
     asio::co_spawn(executor, write_from(pair, &pair->target, &pair->up, &state->to_target), asio::detached);
     asio::co_spawn(executor, read_into(pair, &pair->target, &pair->down), asio::detached);

@@ -27,7 +27,7 @@ const std::vector<Side> kSides{
      {"base", "math", "cells", "shading", "image", "impostor", "geometry", "codec", "net", "predict", "trace"}},
     {"server",
      {"model", "scene", "visibility", "cells", "impostor", "encode", "store", "schedule", "session", "admin", "app"}},
-    {"client", {"decode", "store", "session", "gl", "near", "warp", "near_cpu", "warp_gl", "frame", "input", "app"}},
+    {"client", {"decode", "store", "session", "load", "gl", "near", "warp", "near_cpu", "warp_gl", "frame", "input", "app"}},
 };
 
 // Nouns several stages hand on: headers that include no stage of their own side, and so count as its beginning.

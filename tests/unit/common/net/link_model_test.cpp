@@ -18,11 +18,14 @@ TEST(LinkModel, ReadsEveryProperty) {
   EXPECT_EQ(to_string(*model), "rate=20mbit,delay=50ms,jitter=20ms,loss=0.1%");
   EXPECT_EQ(to_string(*parse_link_model("none")), "none");
   EXPECT_DOUBLE_EQ(parse_link_model("delay=1.5s")->delay.count(), 1.5);
+  EXPECT_DOUBLE_EQ(parse_link_model("cut=90s")->cut.count(), 90);
+  EXPECT_FALSE(parse_link_model("cut=90s")->is_none());
+  EXPECT_EQ(to_string(*parse_link_model("delay=5ms,cut=90s")), "delay=5ms,cut=90s");
 }
 
 TEST(LinkModel, RefusesWhatItDoesNotKnow) {
   for (const char* text : {"", "fast", "rate=20", "rate=20mb", "delay=5", "loss=3", "loss=101%", "rate=-1mbit", "rate=nanmbit",
-                           "speed=3ms", "rate=1mbit,", "rate=1mbit,,delay=1ms"}) {
+                           "speed=3ms", "rate=1mbit,", "rate=1mbit,,delay=1ms", "cut=30", "cut=100000s"}) {
     const auto model = parse_link_model(text);
     ASSERT_FALSE(model) << text;
     EXPECT_EQ(model.error().code, ErrorCode::kInvalidArgument) << text;

@@ -110,6 +110,22 @@ TEST_F(LinkProxyTest, CutBreaksConnectionsAndLaterOnesWork) {
   EXPECT_EQ(byte, 'z');
 }
 
+TEST_F(LinkProxyTest, ConnectionsBreakAtRandomMomentsOfTheStatedMean) {
+  connect("cut=50ms");
+  constexpr int kBreaks = 60;
+  const auto start = Clock::now();
+  for (int k = 0; k < kBreaks; ++k) {
+    char byte = 0;
+    asio::error_code error;
+    asio::read(*client, asio::buffer(&byte, 1), error);
+    EXPECT_TRUE(error) << "nobody sent anything";
+    reconnect();
+  }
+  // The mean of 60 exponential times has an eighth as its standard deviation: four of them either way, and the machine's delays.
+  EXPECT_GE(seconds_since(start), 0.5 * kBreaks * 0.05);
+  EXPECT_LE(seconds_since(start), 1.5 * kBreaks * 0.05 + 2);
+}
+
 TEST_F(LinkProxyTest, AnOrderlyEndPassesThrough) {
   connect("delay=5ms");
   asio::write(*server, asio::buffer("end", 3));

@@ -8,7 +8,7 @@
 #include <ctime>
 #include <thread>
 
-namespace farfield::client {
+namespace farfield {
 
 class InterruptWatch {
  public:
@@ -45,4 +45,4 @@ class InterruptWatch {
   std::thread thread_;
 };
 
-}  // namespace farfield::client
+}  // namespace farfield
