@@ -85,14 +85,17 @@ Result<DecodedPayload> PayloadDecoder::decode_tile_payload(const EncodedPayload&
   return result;
 }
 
-// Counted as what it would take decoded, so that a client that decodes nothing forgets and asks again as one that does.
-DecodedPayload PayloadDecoder::undecoded(const EncodedPayload& payload) {
+DecodedPayload undecoded(const EncodedPayload& payload) {
+  // Counted as what it would take decoded, so that a client that decodes nothing forgets and asks again as one that does.
   constexpr std::size_t kMeanDecodedBytes = 54'000;  // of the payloads of a walk through a plant
+  // Nobody looks into them, so one of each will do.
+  static const auto kTile = std::make_shared<const DecodedTile>();
+  static const auto kChunk = std::make_shared<const DecodedChunk>();
   DecodedPayload result;
   result.name = payload.name;
   result.memory_bytes = kMeanDecodedBytes;
-  if (payload.name.kind == PayloadKind::kTile) result.tile = std::make_shared<const DecodedTile>();
-  if (payload.name.kind == PayloadKind::kChunk) result.chunk = std::make_shared<const DecodedChunk>();
+  if (payload.name.kind == PayloadKind::kTile) result.tile = kTile;
+  if (payload.name.kind == PayloadKind::kChunk) result.chunk = kChunk;
   if (payload.name.kind == PayloadKind::kTextureLevel) result.texture_level.texture = payload.name.texture, result.texture_level.level = payload.name.level;
   return result;
 }

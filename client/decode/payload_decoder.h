@@ -26,12 +26,14 @@ class PayloadDecoder {
   Result<DecodedPayload> decode(const EncodedPayload& payload) const;
 
  private:
-  static DecodedPayload undecoded(const EncodedPayload& payload);
   Result<DecodedPayload> decode_tile_payload(const EncodedPayload& payload) const;
 
   CellGrid grid_;
   DecodeForm form_;
   TileDecoder tile_decoder_;
 };
+
+/// What DecodeForm::kNone makes of a payload, without its bytes being looked at: microseconds less than handing it to another thread.
+DecodedPayload undecoded(const EncodedPayload& payload);
 
 }  // namespace farfield::client

@@ -77,7 +77,7 @@ Status fill(const Raw& raw, LoadProgramOptions& options) {
     options.thresholds.push_back(std::move(*threshold));
   }
   load.client.program = "farfield-load " FARFIELD_VERSION;
-  load.client.decode_threads = 1;
+  load.client.decode_threads = 1;  // with --decode
   load.client.form = raw.decodes ? DecodeForm::kSplats : DecodeForm::kNone;
   load.client.store_bytes = kUndecodedStore;
   return {};

@@ -16,6 +16,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// From a move to the look that follows: a client's threads hand a leaf set that is there over in less.
+constexpr double kGlance_s = 0.005;
+
 double cpu_seconds() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -31,16 +34,21 @@ class LoadRun {
     const double interval_s = 1 / options_.frames_per_second;
     double told_s = 0;
     for (double due_s = 0; due_s < options_.seconds && !is_interrupted(); due_s = next_due(due_s, interval_s)) {
-      std::this_thread::sleep_until(start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(due_s)));
+      sleep_until(due_s);
       outcome_.own_lag.add(now() - due_s);
       admit(due_s);
-      for (Walker& walker : walkers_) walker.tick(due_s, now());
+      for (Walker& walker : walkers_) walker.move(due_s, now());
+      sleep_until(due_s + kGlance_s);
+      for (Walker& walker : walkers_) walker.look(due_s, now());
       if (progress && due_s - told_s >= 1) told_s = due_s, progress(standing(due_s));
     }
     return finish();
   }
 
  private:
+  void sleep_until(double seconds) const {
+    std::this_thread::sleep_until(start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+  }
   double now() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
   bool is_interrupted() const { return options_.is_interrupted && *options_.is_interrupted; }
   // The next frame's time; frames whose time has passed are left out, as a client that cannot keep up leaves them out.

@@ -46,18 +46,19 @@ void Walker::follow_state(double now_s) {
   if (!lost_s_ && path_) lost_s_ = now_s;
 }
 
-void Walker::tick(double due_s, double now_s) {
+void Walker::move(double due_s, double now_s) {
   follow_state(now_s);
-  if (path_) walk(due_s, now_s);
+  if (!path_) return;
+  eye_ = scene_->scene_from_world(path_->at(due_s - welcome_s_));
+  core_->set_pose(eye_, due_s);
 }
 
-void Walker::walk(double due_s, double now_s) {
-  const Pose eye = scene_->scene_from_world(path_->at(due_s - welcome_s_));
-  core_->set_pose(eye, due_s);
+void Walker::look(double due_s, double now_s) {
+  if (!path_) return;
   const std::shared_ptr<const LeafView> view = core_->view();
   if (!view) return;
   if (!std::exchange(has_picture_, true)) figures_.first_picture.add(now_s - due_s_);
-  const bool is_late = core_->count_frame(view.get(), eye.position);
+  const bool is_late = core_->count_frame(view.get(), eye_.position);
   if (!has_cell_) {
     if (is_late) return;
     has_cell_ = true, leaf_ = view->leaf;

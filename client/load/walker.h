@@ -38,8 +38,10 @@ class Walker {
   double due_s() const { return due_s_; }
   /// Begins to connect.
   void start();
-  /// One frame of the viewer's, which was due at `due_s` and happens at `now_s`.
-  void tick(double due_s, double now_s);
+  /// One frame of the viewer's, due at `due_s`: it goes to its place, and somewhat later looks at what it is shown there. What a client
+  /// has already it shows after a message between its threads.
+  void move(double due_s, double now_s);
+  void look(double due_s, double now_s);
   bool is_streaming() const { return state_ == ClientState::kStreaming; }
   bool is_late() const { return late_since_s_.has_value(); }
   /// The end of what is measured; the destructor says goodbye. Returns: all it met.
@@ -49,7 +51,6 @@ class Walker {
 
  private:
   void follow_state(double now_s);
-  void walk(double due_s, double now_s);
 
   const WalkPlan& plan_;
   const std::size_t index_;
@@ -57,6 +58,7 @@ class Walker {
   std::unique_ptr<ClientCore> core_;
   std::optional<SceneDescription> scene_;
   std::optional<WalkPath> path_;
+  Pose eye_;  // scene frame
   ClientState state_ = ClientState::kConnecting;
   double welcome_s_ = 0;
   std::optional<double> lost_s_, late_since_s_;

@@ -59,11 +59,8 @@ Status StreamSession::enter_scene(const wire::Welcome& welcome) {
     TileDecoder tile_decoder = options_.tile_decoder;
     if (!tile_decoder) tile_decoder = [](ByteView bytes) { return decode_tile(bytes, TileLimits{}); };
     PayloadDecoder decoder(scene_->frame.grid, options_.form, std::move(tile_decoder));
-    pool_ = std::make_unique<DecodePool>(
-        std::move(decoder), options_.decode_threads, [this](const PayloadName& name, Result<DecodedPayload> result) {
-          if (!inbox_.put({name, std::move(result)})) return;
-          asio::post(context_, [this] { take_decoded(inbox_.take_all()); });
-        });
+    const auto done = [this](const PayloadName& name, Result<DecodedPayload> result) { put_decoded(name, std::move(result)); };
+    if (options_.form != DecodeForm::kNone) pool_ = std::make_unique<DecodePool>(std::move(decoder), options_.decode_threads, done);
   }
   const double announced = link_->poses_per_second() > 0 ? link_->poses_per_second() : kMostPosesPerSecond;
   gate_.emplace(scene_->frame.grid, scene_->frame.kappa, options_.display, std::min(announced, kMostPosesPerSecond));
@@ -125,10 +122,18 @@ Status StreamSession::receive_payload(const IncomingFrame& frame) {
 
 void StreamSession::submit(EncodedPayload payload) {
   ++decoding_[payload.name.item()];
+  if (!pool_) {
+    put_decoded(payload.name, undecoded(payload));
+    return;
+  }
   const DecodeGroup group = sets_->group_of(payload.name);
   pool_->submit(std::move(payload), group);
   // Not reading while the decoders are behind lets TCP tell the server; what they finish is taken meanwhile.
   while (pool_->queued_bytes() > options_.decode_queue_bytes) take_decoded(inbox_.wait_and_take_all());
+}
+
+void StreamSession::put_decoded(const PayloadName& name, Result<DecodedPayload> result) {
+  if (inbox_.put({name, std::move(result)})) asio::post(context_, [this] { take_decoded(inbox_.take_all()); });
 }
 
 void StreamSession::take_decoded(std::vector<DecodeInbox::Item> items) {

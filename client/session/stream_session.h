@@ -52,6 +52,7 @@ class StreamSession {
 
   // ── decoding ──
   void submit(EncodedPayload payload);
+  void put_decoded(const PayloadName& name, Result<DecodedPayload> result);  // on any thread
   void take_decoded(std::vector<DecodeInbox::Item> items);
   void count_payload(const PayloadName& name, ByteView bytes);
 
@@ -86,7 +87,7 @@ class StreamSession {
   Clock::time_point last_trim_{};
   bool is_refresh_armed_ = false;
   ClientStatistics figures_;                       // copied to the board by note_figures()
-  std::unique_ptr<DecodePool> pool_;
+  std::unique_ptr<DecodePool> pool_;               // null: nothing is decoded (DecodeForm::kNone)
   std::thread thread_;
 };
 

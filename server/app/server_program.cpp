@@ -85,7 +85,7 @@ Result<std::vector<std::shared_ptr<MeasuredCellService>>> build_services(const S
     auto blobs = open_disk_store({.folder = options.store, .capacity_bytes = options.store_bytes, .log = service_options.log});
     if (!blobs) return fail_within("--store", blobs.error());
     service_options.blobs = std::move(*blobs);
-    service_options.fetch_pool = std::make_shared<JobPool>(kFetchThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "disk");
+    service_options.fetch_pool = std::make_shared<JobPool>(kFetchThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "disk", PoolUrgency::kPrompt);
   }
   std::vector<std::shared_ptr<MeasuredCellService>> services;
   for (const SceneArgument& scene : options.scenes) {

@@ -2,6 +2,8 @@
 #include "server/schedule/worker_pool.h"
 
 #include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,12 +11,23 @@
 #include <utility>
 
 namespace farfield {
+namespace {
 
-WorkerPool::WorkerPool(JobQueue& queue, int threads, SecondsClock clock, const char* name) : queue_(queue), clock_(std::move(clock)) {
+// A tenth of the weight of threads that do not give way; all of what these leave. On Linux a thread has a niceness of its own. Where it
+// cannot be set nothing but promptness is lost.
+constexpr int kBackgroundNice = 10;
+void give_way() { (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kBackgroundNice); }
+
+}  // namespace
+
+WorkerPool::WorkerPool(JobQueue& queue, int threads, SecondsClock clock, const char* name, PoolUrgency urgency) : queue_(queue), clock_(std::move(clock)) {
   const int count = std::max(threads, 1);
   threads_.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    threads_.emplace_back([this] { work(); });
+    threads_.emplace_back([this, urgency] {
+      if (urgency == PoolUrgency::kBackground) give_way();
+      work();
+    });
     pthread_setname_np(threads_.back().native_handle(), (std::string(name) + "-" + std::to_string(i)).c_str());
   }
 }
@@ -67,9 +80,9 @@ void WorkerPool::work() {
   }
 }
 
-JobPool::JobPool(int threads, std::size_t queue_capacity, SecondsClock clock, const char* name)
+JobPool::JobPool(int threads, std::size_t queue_capacity, SecondsClock clock, const char* name, PoolUrgency urgency)
     : queue_(queue_capacity, clock),
-      pool_(queue_, threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), clock, name) {}
+      pool_(queue_, threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), clock, name, urgency) {}
 
 PoolStatistics WorkerPool::statistics() const {
   const std::scoped_lock lock(mutex_);

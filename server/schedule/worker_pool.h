@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pools of threads that take jobs from one queue until it is closed: "cast" for what processors do, "disk" for what waits. They are
 // plain threads; Embree's queries need no more, and a job that uses TBB itself shares the process's one arena.
+//
+// Casting takes all the processor time there is. Sending what is made takes little, and viewers wait for it: so casting threads give way
+// (kBackground), and what is at hand goes out at once however much is being made.
 #pragma once
 
 #include <atomic>
@@ -22,10 +25,13 @@ struct PoolStatistics {
   double busy_seconds = 0;   // sum over the threads, finished jobs only
 };
 
+enum class PoolUrgency : std::uint8_t { kBackground, kPrompt };
+
 class WorkerPool {
  public:
   /// `queue` outlives the pool. `threads` < 1 counts as 1.
-  WorkerPool(JobQueue& queue, int threads, SecondsClock clock = steady_clock_seconds(), const char* name = "cast");
+  WorkerPool(JobQueue& queue, int threads, SecondsClock clock = steady_clock_seconds(), const char* name = "cast",
+             PoolUrgency urgency = PoolUrgency::kBackground);
   /// Closes the queue and waits for the jobs that run.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -59,7 +65,7 @@ class JobPool {
   static constexpr std::size_t kDefaultQueueCapacity = 100'000;
   /// `threads` 0: one per processor. `name`: of its threads, with a number behind it.
   explicit JobPool(int threads = 0, std::size_t queue_capacity = kDefaultQueueCapacity,
-                   SecondsClock clock = steady_clock_seconds(), const char* name = "cast");
+                   SecondsClock clock = steady_clock_seconds(), const char* name = "cast", PoolUrgency urgency = PoolUrgency::kBackground);
 
   JobQueue& queue() { return queue_; }
   QueueStatistics queue_statistics() const { return queue_.statistics(); }
