@@ -26,8 +26,8 @@ struct ServiceOptions {
   ImpostorSettings settings;
   std::shared_ptr<TileStore> store;
   std::shared_ptr<JobPool> pool;
-  std::shared_ptr<BlobStore> blobs;     // with a pool that waits for it; both may be null
-  std::shared_ptr<JobPool> fetch_pool;
+  std::shared_ptr<JobPool> prompt_pool;  // see CellServiceParts
+  std::shared_ptr<BlobStore> blobs;      // may be null
   std::function<void(const std::string&)> log;  // progress and warnings, one line each; may be empty
 };
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::chrono::seconds kDrainGrace{5};
 // They wait for the disk rather than for a processor.
-constexpr int kFetchThreads = 4;
+constexpr int kPromptThreads = 4;
 
 /// One line per event on stderr, as text or as JSON.
 class EventLog {
@@ -80,12 +80,12 @@ Result<std::vector<std::shared_ptr<MeasuredCellService>>> build_services(const S
   service_options.settings = options.settings;
   service_options.store = std::make_shared<MemoryTileStore>(options.memory_bytes);
   service_options.pool = std::make_shared<JobPool>(options.threads);
+  service_options.prompt_pool = std::make_shared<JobPool>(kPromptThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt", PoolUrgency::kPrompt);
   service_options.log = [&log](const std::string& line) { log.write(line); };
   if (!options.store.empty()) {
     auto blobs = open_disk_store({.folder = options.store, .capacity_bytes = options.store_bytes, .log = service_options.log});
     if (!blobs) return fail_within("--store", blobs.error());
     service_options.blobs = std::move(*blobs);
-    service_options.fetch_pool = std::make_shared<JobPool>(kFetchThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "disk", PoolUrgency::kPrompt);
   }
   std::vector<std::shared_ptr<MeasuredCellService>> services;
   for (const SceneArgument& scene : options.scenes) {

@@ -31,12 +31,12 @@ class ScheduledCellService final : public MeasuredCellService {
         plan_cache_(parts_.plan_cache_bytes, parts_.scene.settings.finest_side_m),
         plans_(parts_.pool->queue()),
         leaf_names_(parts_.pool->queue()),
-        fallbacks_(parts_.pool->queue()),
+        fallbacks_(prompt_queue()),
         tiles_(parts_.pool->queue()),
-        geometry_(parts_.pool->queue()) {
+        geometry_(prompt_queue()) {
     if (!parts_.blobs) return;
-    fetched_leaves_.emplace(parts_.fetch_pool->queue());
-    fetched_tiles_.emplace(parts_.fetch_pool->queue());
+    fetched_leaves_.emplace(prompt_queue());
+    fetched_tiles_.emplace(prompt_queue());
   }
 
   const SceneDescription& scene() const override { return parts_.scene; }
@@ -133,6 +133,8 @@ class ScheduledCellService final : public MeasuredCellService {
   std::vector<CellStatistics> cell_statistics() const override { return recorder_.cells(); }
 
  private:
+  JobQueue& prompt_queue() const { return (parts_.prompt_pool ? parts_.prompt_pool : parts_.pool)->queue(); }
+
   struct LeafRequest {
     glm::dvec3 viewpoint;
     CellId finest;  // that holds it

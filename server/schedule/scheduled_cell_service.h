@@ -31,7 +31,8 @@ struct CellServiceParts {
   std::shared_ptr<TileStore> store;  // may be shared by the services of several scenes
   std::shared_ptr<JobPool> pool;     // likewise; casts
   std::shared_ptr<BlobStore> blobs;  // likewise; null: nothing outlives the process
-  std::shared_ptr<JobPool> fetch_pool;  // likewise; waits for the blobs' disk or network; null without them
+  /// Likewise; for what takes no casting: blobs, fallback plans, near geometry. Null: the casting pool does that as well.
+  std::shared_ptr<JobPool> prompt_pool;
   std::size_t plan_cache_bytes = std::size_t{64} << 20;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pools of threads that take jobs from one queue until it is closed: "cast" for what processors do, "disk" for what waits. They are
+// Pools of threads that take jobs from one queue until it is closed: "cast" for what processors do, "prompt" for what is done soon. They are
 // plain threads; Embree's queries need no more, and a job that uses TBB itself shares the process's one arena.
 //
 // Casting takes all the processor time there is. Sending what is made takes little, and viewers wait for it: so casting threads give way

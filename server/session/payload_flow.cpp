@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How payloads flow through the pump: requested, arrived, sent, and leaf sets completed.
 #include <algorithm>
-#include <asio/post.hpp>
+#include <asio/dispatch.hpp>
 #include <utility>
 
 #include "common/net/message.h"
@@ -20,9 +20,11 @@ constexpr float kFineTextureShare = 0.0f;
 void PayloadPump::pump() {
   // Sending can drain the connection and call pump() from below.
   if (is_stopped_ || std::exchange(is_pumping_, true)) return;
-  send_arrived();
-  finish_streams();
-  request_more();
+  do {
+    send_arrived();
+    finish_streams();
+    request_more();
+  } while (!arrived_.empty() && parts_.connection->has_room());  // what is at hand arrives while it is asked for
   is_pumping_ = false;
   const bool is_spare = has_spare_capacity();
   const bool has_become_spare = is_spare && !was_spare_;
@@ -154,9 +156,10 @@ void PayloadPump::request(const PayloadItem& item, LeafStream& stream) {
   pending_prefetch_ += pending.is_prefetch ? 1 : 0;
   if (has_arrived) return;
   pending.request = next_request_++;
+  const ContentHash key = item.key;
   // The former ticket, if there is one, goes after the new request is made: the work under way is not cancelled.
   Ticket ticket = ask(item, stream, pending.request);
-  pending.ticket = std::move(ticket);
+  if (const auto entry = pending_.find(key); entry != pending_.end() && !entry->second.bytes) entry->second.ticket = std::move(ticket);
 }
 
 Ticket PayloadPump::ask(const PayloadItem& item, const LeafStream& stream, std::uint64_t request) {
@@ -165,7 +168,8 @@ Ticket PayloadPump::ask(const PayloadItem& item, const LeafStream& stream, std::
     // Whoever holds the pump holds what keeps its executor alive.
     const std::shared_ptr<PayloadPump> self = weak.lock();
     if (!self) return;
-    asio::post(self->parts_.connection->executor(), [self, key, request, bytes = std::move(bytes)]() mutable {
+    // At once where it is at hand: then this is the thread that asked.
+    asio::dispatch(self->parts_.connection->executor(), [self, key, request, bytes = std::move(bytes)]() mutable {
       self->receive(key, request, std::move(bytes));
     });
   };

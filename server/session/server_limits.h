@@ -15,7 +15,8 @@ struct ServerLimits {
   std::uint32_t poses_per_second = 30;   // a walker moves 5 cm between two of them
   std::uint32_t leaves_per_second = 20;
   // ── per session ──
-  std::size_t outbox_bytes = std::size_t{512} << 10;   // payloads waiting; what is already stale goes out otherwise
+  std::size_t outbox_bytes = std::size_t{128} << 10;   // payloads waiting: what the viewer walks away from is taken back, and was work
+  std::size_t control_pause_bytes = std::size_t{512} << 10;  // control frames waiting beyond which no leaf set is announced
   std::size_t control_bytes = std::size_t{4} << 20;    // a peer that lets more than this wait is not reading
   std::size_t held_remembered = std::size_t{1} << 18;  // beyond it the oldest are forgotten, and would be sent again
   /// Payloads asked of the cell service and not yet sent. Enough to keep a dozen threads busy; all of them are in the

@@ -190,7 +190,7 @@ void Session::wait_and_move(Clock::duration wait) {
 void Session::enter(std::shared_ptr<const LeafPlan> plan) {
   // A client that has not read the manifests before this one gets the newest later, instead of all of them.
   constexpr Clock::duration kManifestRetry = std::chrono::milliseconds(50);
-  if (connection_->queued_control_bytes() > world_.limits.outbox_bytes) {
+  if (connection_->queued_control_bytes() > world_.limits.control_pause_bytes) {
     wait_and_move(kManifestRetry);
     return;
   }

@@ -335,7 +335,7 @@ struct FakeBlobs : BlobStore {
 
 struct StoredServiceTest : CellServiceTest {
   std::shared_ptr<FakeBlobs> blobs = std::make_shared<FakeBlobs>();
-  std::shared_ptr<JobPool> fetch_pool = std::make_shared<JobPool>(2, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "disk");
+  std::shared_ptr<JobPool> prompt_pool = std::make_shared<JobPool>(2, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt", PoolUrgency::kPrompt);
 
   // As after a restart: nothing in memory.
   void restart(ContentHash hash = 77) {
@@ -345,7 +345,7 @@ struct StoredServiceTest : CellServiceTest {
     scene.hash = hash;
     scene.settings.finest_side_m = 1.0;
     service = make_cell_service({.scene = scene, .geometry = std::make_shared<const FakeGeometry>(), .leaves = leaves, .tiles = tiles,
-                                 .store = store, .pool = pool, .blobs = blobs, .fetch_pool = fetch_pool});
+                                 .store = store, .pool = pool, .blobs = blobs, .prompt_pool = prompt_pool});
   }
   SharedTile tile_now(std::uint8_t x) {
     std::atomic<bool> is_answered{false};

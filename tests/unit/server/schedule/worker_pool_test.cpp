@@ -2,7 +2,10 @@
 #include "server/schedule/worker_pool.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <future>
 #include <latch>
 #include <stdexcept>
 
@@ -92,6 +95,19 @@ TEST(WorkerPool, DestructionWaitsForTheRunningJobAndDropsTheRest) {
   }
   EXPECT_GE(ran, 1);
   EXPECT_LT(ran, 50);
+}
+
+// What viewers wait for must not wait for what is being made.
+TEST(WorkerPool, BackgroundThreadsGiveWayAndPromptOnesDoNot) {
+  const auto niceness = [](PoolUrgency urgency) {
+    JobPool pool(1, 10, steady_clock_seconds(), "test", urgency);
+    std::promise<int> found;
+    pool.queue().push({}, [&] { found.set_value(getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()))); });
+    return found.get_future().get();
+  };
+  const int own = getpriority(PRIO_PROCESS, 0);
+  EXPECT_EQ(niceness(PoolUrgency::kPrompt), own);
+  EXPECT_GT(niceness(PoolUrgency::kBackground), own);
 }
 
 }  // namespace
