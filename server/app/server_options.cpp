@@ -41,6 +41,9 @@ void add_options(CLI::App& app, RawOptions& raw, ServerProgramOptions& options) 
   app.add_option("--store", options.store, "Folder where tiles and plans are kept for the next start (default: none)");
   app.add_option("--store-bytes", raw.store_bytes, "Bound of that folder's contents; least recently used go first")->capture_default_str();
   app.add_option("--threads", options.threads, "Threads that make tiles (default: one per processor)")->check(whole_number_between(1, 1024));
+  app.add_option("--cast-nice", options.cast_nice, "How much these threads give way to those that serve: 10 on a machine of the server's own")
+      ->check(whole_number_between(0, 19))
+      ->capture_default_str();
   raw.load.add_to(app);
   add_quality_options(app, options.settings);
   app.add_flag("--json", options.is_json, "Where it listens, and the log, as JSON lines");

@@ -79,8 +79,8 @@ Result<std::vector<std::shared_ptr<MeasuredCellService>>> build_services(const S
   service_options.load = options.load;
   service_options.settings = options.settings;
   service_options.store = std::make_shared<MemoryTileStore>(options.memory_bytes);
-  service_options.pool = std::make_shared<JobPool>(options.threads);
-  service_options.prompt_pool = std::make_shared<JobPool>(kPromptThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt", PoolUrgency::kPrompt);
+  service_options.pool = std::make_shared<JobPool>(options.threads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "cast", options.cast_nice);
+  service_options.prompt_pool = std::make_shared<JobPool>(kPromptThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt");
   service_options.log = [&log](const std::string& line) { log.write(line); };
   if (!options.store.empty()) {
     auto blobs = open_disk_store({.folder = options.store, .capacity_bytes = options.store_bytes, .log = service_options.log});

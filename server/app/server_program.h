@@ -22,6 +22,7 @@ struct ServerProgramOptions {
   std::filesystem::path store;                      // folder of what outlives the process; empty: nothing does
   std::size_t store_bytes = std::size_t{16} << 30;  // of it
   int threads = 0;                                  // that make tiles; 0: one per processor
+  int cast_nice = 0;                                // of these threads
   LoadOptions load;
   ImpostorSettings settings;
   bool is_json = false;

@@ -11,21 +11,13 @@
 #include <utility>
 
 namespace farfield {
-namespace {
-
-// A tenth of the weight of threads that do not give way; all of what these leave. On Linux a thread has a niceness of its own. Where it
-// cannot be set nothing but promptness is lost.
-constexpr int kBackgroundNice = 10;
-void give_way() { (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kBackgroundNice); }
-
-}  // namespace
-
-WorkerPool::WorkerPool(JobQueue& queue, int threads, SecondsClock clock, const char* name, PoolUrgency urgency) : queue_(queue), clock_(std::move(clock)) {
+WorkerPool::WorkerPool(JobQueue& queue, int threads, SecondsClock clock, const char* name, int nice) : queue_(queue), clock_(std::move(clock)) {
   const int count = std::max(threads, 1);
   threads_.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    threads_.emplace_back([this, urgency] {
-      if (urgency == PoolUrgency::kBackground) give_way();
+    threads_.emplace_back([this, nice] {
+      // Where it cannot be set nothing but promptness is lost.
+      if (nice > 0) (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nice);
       work();
     });
     pthread_setname_np(threads_.back().native_handle(), (std::string(name) + "-" + std::to_string(i)).c_str());
@@ -80,9 +72,9 @@ void WorkerPool::work() {
   }
 }
 
-JobPool::JobPool(int threads, std::size_t queue_capacity, SecondsClock clock, const char* name, PoolUrgency urgency)
+JobPool::JobPool(int threads, std::size_t queue_capacity, SecondsClock clock, const char* name, int nice)
     : queue_(queue_capacity, clock),
-      pool_(queue_, threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), clock, name, urgency) {}
+      pool_(queue_, threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()), clock, name, nice) {}
 
 PoolStatistics WorkerPool::statistics() const {
   const std::scoped_lock lock(mutex_);

@@ -2,8 +2,8 @@
 // Pools of threads that take jobs from one queue until it is closed: "cast" for what processors do, "prompt" for what is done soon. They are
 // plain threads; Embree's queries need no more, and a job that uses TBB itself shares the process's one arena.
 //
-// Casting takes all the processor time there is. Sending what is made takes little, and viewers wait for it: so casting threads give way
-// (kBackground), and what is at hand goes out at once however much is being made.
+// Casting takes all the processor time there is. Sending what is made takes little, and viewers wait for it: on a machine of its own a
+// server's casting threads can be nice to its others. Beside other programs that need the processor they would be made to wait for those.
 #pragma once
 
 #include <atomic>
@@ -25,13 +25,10 @@ struct PoolStatistics {
   double busy_seconds = 0;   // sum over the threads, finished jobs only
 };
 
-enum class PoolUrgency : std::uint8_t { kBackground, kPrompt };
-
 class WorkerPool {
  public:
   /// `queue` outlives the pool. `threads` < 1 counts as 1.
-  WorkerPool(JobQueue& queue, int threads, SecondsClock clock = steady_clock_seconds(), const char* name = "cast",
-             PoolUrgency urgency = PoolUrgency::kBackground);
+  WorkerPool(JobQueue& queue, int threads, SecondsClock clock = steady_clock_seconds(), const char* name = "cast", int nice = 0);
   /// Closes the queue and waits for the jobs that run.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -64,8 +61,9 @@ class JobPool {
  public:
   static constexpr std::size_t kDefaultQueueCapacity = 100'000;
   /// `threads` 0: one per processor. `name`: of its threads, with a number behind it.
+  /// `nice`: 0 to 19, how much they give way to the process's others (Linux: a thread has a niceness of its own).
   explicit JobPool(int threads = 0, std::size_t queue_capacity = kDefaultQueueCapacity,
-                   SecondsClock clock = steady_clock_seconds(), const char* name = "cast", PoolUrgency urgency = PoolUrgency::kBackground);
+                   SecondsClock clock = steady_clock_seconds(), const char* name = "cast", int nice = 0);
 
   JobQueue& queue() { return queue_; }
   QueueStatistics queue_statistics() const { return queue_.statistics(); }

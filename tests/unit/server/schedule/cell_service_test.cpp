@@ -335,7 +335,7 @@ struct FakeBlobs : BlobStore {
 
 struct StoredServiceTest : CellServiceTest {
   std::shared_ptr<FakeBlobs> blobs = std::make_shared<FakeBlobs>();
-  std::shared_ptr<JobPool> prompt_pool = std::make_shared<JobPool>(2, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt", PoolUrgency::kPrompt);
+  std::shared_ptr<JobPool> prompt_pool = std::make_shared<JobPool>(2, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt");
 
   // As after a restart: nothing in memory.
   void restart(ContentHash hash = 77) {

@@ -98,16 +98,17 @@ TEST(WorkerPool, DestructionWaitsForTheRunningJobAndDropsTheRest) {
 }
 
 // What viewers wait for must not wait for what is being made.
-TEST(WorkerPool, BackgroundThreadsGiveWayAndPromptOnesDoNot) {
-  const auto niceness = [](PoolUrgency urgency) {
-    JobPool pool(1, 10, steady_clock_seconds(), "test", urgency);
+TEST(WorkerPool, ThreadsAreAsNiceAsTheyAreToldAndOnlyThese) {
+  const auto niceness = [](int nice) {
+    JobPool pool(1, 10, steady_clock_seconds(), "test", nice);
     std::promise<int> found;
     pool.queue().push({}, [&] { found.set_value(getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()))); });
     return found.get_future().get();
   };
   const int own = getpriority(PRIO_PROCESS, 0);
-  EXPECT_EQ(niceness(PoolUrgency::kPrompt), own);
-  EXPECT_GT(niceness(PoolUrgency::kBackground), own);
+  EXPECT_EQ(niceness(0), own);
+  EXPECT_EQ(niceness(std::min(own + 10, 19)), std::min(own + 10, 19));
+  EXPECT_EQ(getpriority(PRIO_PROCESS, 0), own);
 }
 
 }  // namespace
