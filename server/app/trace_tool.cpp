@@ -21,6 +21,7 @@ namespace {
 constexpr double kDegrees = 57.29577951308232;
 constexpr const char* kFooter = R"(Examples:
   farfield-trace generate pipes:1000000:1 --kind walk --seconds 30 -o walk.txt
+  farfield-trace generate plant.glb --count 20 --seconds 30 -o walks
   farfield-trace generate delft.city.json --kind fly --speed 12 --seed 3 -o flight.txt
   farfield-trace show walk.txt
   farfield-trace show walk.txt --scene pipes:1000000:1 --svg walk.svg --png walk.png
@@ -58,7 +59,8 @@ CLI::App* add_generate(CLI::App& app, TraceGenerateOptions& options, std::string
   command->add_option("--seconds", options.trace.seconds, "Duration")->check(number_between(1e-3, 86400))->capture_default_str();
   command->add_option("--seed", options.trace.seed, "Another seed, another path")->check(whole_number_between(0, UINT64_MAX))->capture_default_str();
   command->add_option("--fps", options.trace.frames_per_second, "Frames per second")->check(number_between(0.01, 10000))->capture_default_str();
-  command->add_option("-o,--output", options.output, "File to write")->required();
+  command->add_option("--count", options.count, "Traces to make, with this and the next seeds, as SEED.trace in the folder -o")->check(whole_number_between(1, 100'000))->capture_default_str();
+  command->add_option("-o,--output", options.output, "File to write; with --count above 1 the folder")->required();
   command->add_flag("--json", options.is_json, "Report as JSON");
   load.add_to(*command);
   return command;
@@ -77,20 +79,49 @@ CLI::App* add_show(CLI::App& app, TraceShowOptions& options, LoadArguments& load
 
 }  // namespace
 
+namespace {
+
+// One trace, written and reported.
+Status write_and_report(Trace trace, const TraceGenerateOptions& options, const std::filesystem::path& file, std::ostream& out) {
+  trace.scene = options.scene;
+  if (const Status status = write_trace(file, trace); !status) return status;
+  const TraceSummary summary = summarise(trace);
+  out << (options.is_json ? as_json(summary, trace, file).dump(options.count > 1 ? -1 : 2) + '\n' : as_text(summary, trace, file)) << std::flush;
+  if (!out) return fail(ErrorCode::kIo, "the report cannot be written to the output");
+  return {};
+}
+
+// A seed from which no path is found is passed over; as many as are wanted in a row are too many.
+Status generate_several(const Scene& scene, const TraceGenerateOptions& options, std::ostream& out) {
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  if (error) return fail(ErrorCode::kIo, "the folder {} cannot be made: {}", options.output.string(), error.message());
+  TraceOptions wanted = options.trace;
+  std::size_t passed_over = 0;
+  for (std::size_t made = 0; made < options.count; ++wanted.seed) {
+    Result<Trace> trace = generate_trace(scene, wanted);
+    if (!trace && (trace.error().code != ErrorCode::kNotFound || ++passed_over > options.count)) return tl::unexpected(trace.error());
+    if (!trace) continue;
+    const std::filesystem::path file = options.output / fmt::format("{}.trace", wanted.seed);
+    if (const Status status = write_and_report(std::move(*trace), options, file, out); !status) return status;
+    ++made;
+  }
+  return {};
+}
+
+}  // namespace
+
 Status run_trace_generate(const TraceGenerateOptions& options, std::ostream& out, std::ostream& talk) {
-  if (const Status status = check_file_can_be_written(options.output); !status) return status;
+  if (options.count == 1)
+    if (const Status status = check_file_can_be_written(options.output); !status) return status;
   const Result<std::shared_ptr<const Scene>> scene = load_scene(options.scene, options.load);
   if (!scene) return tl::unexpected(scene.error());
+  if (options.count > 1) return generate_several(**scene, options, out);
   std::string note;
   Result<Trace> trace = generate_trace(**scene, options.trace, &note);
   if (!trace) return tl::unexpected(trace.error());
   if (!note.empty()) complain(talk, "farfield-trace", note);
-  trace->scene = options.scene;
-  if (const Status status = write_trace(options.output, *trace); !status) return status;
-  const TraceSummary summary = summarise(*trace);
-  out << (options.is_json ? as_json(summary, *trace, options.output).dump(2) + '\n' : as_text(summary, *trace, options.output)) << std::flush;
-  if (!out) return fail(ErrorCode::kIo, "the report cannot be written to the output");
-  return {};
+  return write_and_report(std::move(*trace), options, options.output, out);
 }
 
 Status run_trace_show(const TraceShowOptions& options, std::ostream& out) {

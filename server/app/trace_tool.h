@@ -15,7 +15,8 @@ struct TraceGenerateOptions {
   std::string scene;  // a file, or KIND:TRIANGLES:SEED
   LoadOptions load;
   TraceOptions trace;
-  std::filesystem::path output;
+  std::filesystem::path output;  // a file; of several traces the folder, made if it is not there
+  std::size_t count = 1;
   bool is_json = false;
 };
 
@@ -27,7 +28,7 @@ struct TraceShowOptions {
   bool is_json = false;
 };
 
-/// Writes the trace and reports it to `out`; `talk` gets one line if a walk had to become a flight.
+/// Writes the trace, or several as SEED.trace, with the seeds from trace.seed on that have a path, and reports to `out`; `talk` gets one line if a walk had to become a flight.
 /// Errors: as load_model(), Scene::build(), generate_trace(), write_trace().
 Status run_trace_generate(const TraceGenerateOptions& options, std::ostream& out, std::ostream& talk);
 

@@ -17,6 +17,7 @@ int main(int argument_count, char** arguments) {
   farfield::fuzz::add_geometry_seeds(seeds);
   farfield::fuzz::add_wire_seeds(seeds);
   farfield::fuzz::add_model_seeds(seeds);
+  farfield::fuzz::add_store_seeds(seeds);
   for (const farfield::fuzz::Seed& seed : seeds) {
     if (seed.bytes.empty() || seed.bytes.size() > kMostBytes) {
       std::fprintf(stderr, "%s/%s: %zu bytes; a seed has 1 to %zu\n", seed.target.c_str(), seed.name.c_str(),

@@ -30,5 +30,6 @@ void add_tile_seeds(Seeds& seeds);
 void add_geometry_seeds(Seeds& seeds);
 void add_wire_seeds(Seeds& seeds);
 void add_model_seeds(Seeds& seeds);
+void add_store_seeds(Seeds& seeds);
 
 }  // namespace farfield::fuzz

@@ -47,6 +47,32 @@ TEST(TraceTool, ShowsATraceAsPicture) {
   EXPECT_FALSE(is_red(895));
 }
 
+TEST(TraceTool, SeveralWalksComeFromSeedsOfTheirOwn) {
+  const TemporaryFolder folder;
+  TraceGenerateOptions options;
+  options.scene = "pipes:20000:1";
+  options.trace.seconds = 4;
+  options.trace.seed = 5;
+  options.count = 3;
+  options.is_json = true;
+  options.output = folder.path() / "walks";
+  std::ostringstream out, talk;
+  const Status made = run_trace_generate(options, out, talk);
+  ASSERT_TRUE(made) << made.error().message;
+  std::vector<Trace> walks;
+  for (const auto& entry : std::filesystem::directory_iterator(options.output)) walks.push_back(read_trace(entry.path()).value());
+  ASSERT_EQ(walks.size(), 3u);
+  EXPECT_GT(glm::distance(walks[0].frames.back().pose.position, walks[1].frames.back().pose.position), 0.01);
+  const std::string report = out.str();
+  EXPECT_EQ(std::count(report.begin(), report.end(), '\n'), 3) << "an object a line";
+  // One alone of the same seed is the same.
+  options.count = 1;
+  options.output = folder.path() / "one.trace";
+  ASSERT_TRUE(run_trace_generate(options, out, talk));
+  const Trace one = read_trace(options.output).value(), first = read_trace(folder.path() / "walks" / "5.trace").value();
+  EXPECT_LT(glm::distance(one.frames.back().pose.position, first.frames.back().pose.position), 1e-9);
+}
+
 TEST(TraceTool, OutputsThatCannotBeWrittenLeaveNothing) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_trace(folder.path() / "walk.txt", straight_walk()));
