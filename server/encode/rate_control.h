@@ -5,8 +5,8 @@
 //   tiles that leaves need ─▶ some are cast ─▶ coded at the qualities a slope asks for ─▶ the slope that meets the target
 //
 // One slope for all tiles: each is coded at the quality where a byte takes as much off the error (colour_trial.h). Of the delta views
-// so many are kept as leave the least error, that of colours coded with the bytes that are left and that of voids. Only where the coarsest colours without delta views cost too much, disparity is coded more coarsely,
-// to twice its tolerance at most.
+// so many are kept as leave the least error, that of colours coded with the bytes that are left and that of voids. Only where the
+// coarsest colours without delta views cost too much, disparity is coded more coarsely, to twice its tolerance at most.
 #pragma once
 
 #include <functional>

@@ -11,6 +11,7 @@
 #include <utility>
 
 namespace farfield {
+
 WorkerPool::WorkerPool(JobQueue& queue, int threads, SecondsClock clock, const char* name, int nice) : queue_(queue), clock_(std::move(clock)) {
   const int count = std::max(threads, 1);
   threads_.reserve(static_cast<std::size_t>(count));

@@ -5,6 +5,7 @@ namespace farfield {
 
 std::string BlobKey::bytes() const {
   ByteWriter out;
+  out.bytes().reserve(32);
   out.put(world);
   out.put(static_cast<std::uint8_t>(kind));
   out.put(name.cell.level);

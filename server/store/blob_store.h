@@ -44,8 +44,6 @@ struct BlobStoreStatistics {
 class BlobStore {
  public:
   virtual ~BlobStore() = default;
-  /// What it is called in metrics and logs.
-  virtual const char* tier() const = 0;
   /// May wait for a disk or a network: not for threads that serve sockets. Returns: null on a miss.
   virtual SharedBytes find(const BlobKey& key) = 0;
   /// Queues and returns at once; find() sees it from now on. Requires: not null.

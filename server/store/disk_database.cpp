@@ -13,8 +13,6 @@ constexpr int kBusyMs = 5000;  // another process writes
 constexpr int kPageBytes = 32768;
 constexpr int kCacheKiB = 32768;  // of the writer: the indices of a million tiles
 constexpr int kEvictedAtOnce = 64;
-// Free room is given back a bit at a time, so that nobody waits for it.
-constexpr int kShrunkPages = 512;
 
 std::int64_t as_signed(ContentHash hash) { return static_cast<std::int64_t>(hash); }
 
@@ -169,6 +167,6 @@ std::uint64_t DiskDatabase::pragma(const char* name) {
 std::uint64_t DiskDatabase::used_bytes() { return (pragma("page_count") - pragma("freelist_count")) * pragma("page_size"); }
 void DiskDatabase::count_items() { items_ = static_cast<std::uint64_t>(database_.execAndGet("SELECT count(*) FROM names").getInt64()); }
 std::int64_t DiskDatabase::latest_use() { return database_.execAndGet("SELECT coalesce(max(used), 0) FROM names").getInt64(); }
-void DiskDatabase::shrink() { database_.exec(fmt::format("PRAGMA incremental_vacuum({})", kShrunkPages)); }
+void DiskDatabase::shrink() { database_.exec("PRAGMA incremental_vacuum"); }
 
 }  // namespace farfield

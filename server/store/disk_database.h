@@ -50,7 +50,7 @@ class DiskDatabase {
   /// O(items): when it is opened, and after a transaction was given up.
   void count_items();
   std::int64_t latest_use();
-  /// Gives free pages at the end of the file back to the disk. Outside a transaction.
+  /// Gives all free pages back to the disk. Outside a transaction.
   void shrink();
 
  private:

@@ -61,8 +61,6 @@ class DiskStore final : public BlobStore {
     readers_.clear();  // the last to close the file empties its log into it, and readers may not write
   }
 
-  const char* tier() const override { return "disk"; }
-
   SharedBytes find(const BlobKey& key) override {
     {
       const std::scoped_lock lock(mutex_);
@@ -197,7 +195,11 @@ class DiskStore final : public BlobStore {
       is_writing_ = false;
       for (const auto& [key, bytes] : batch.blobs) {
         const auto at = waiting_.find(key);
-        if (at == waiting_.end() || at->second != bytes) continue;  // inserted anew meanwhile
+        if (at == waiting_.end()) continue;
+        if (at->second != bytes) {  // inserted anew meanwhile
+          order_.push_back(key);
+          continue;
+        }
         waiting_bytes_ -= bytes->size();
         waiting_.erase(at);
       }
@@ -236,7 +238,7 @@ class DiskStore final : public BlobStore {
         complain(fmt::format("writing failed, {} tiles and plans will be made again when they are next wanted: {}", batch.blobs.size(), e.what()));
         try {
           if (!is_damage(e.getErrorCode())) {
-            writer_->count_items();
+            if (writer_) writer_->count_items();  // null: nothing could be opened, and the next batch tries again
             return false;
           }
           reopen();

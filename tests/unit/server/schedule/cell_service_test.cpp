@@ -309,7 +309,6 @@ TEST_F(CellServiceTest, DestroyingTheServiceWaitsForItsCancelledWork) {
 
 // A map, read slowly if asked to.
 struct FakeBlobs : BlobStore {
-  const char* tier() const override { return "fake"; }
   SharedBytes find(const BlobKey& key) override {
     ++asked;
     if (gate) gate->wait();

@@ -122,6 +122,20 @@ TEST_F(DiskStoreTest, ANewValueTakesTheOldOnesPlace) {
   EXPECT_EQ(store->statistics().items, 1u);
 }
 
+// Inserted while an earlier value of the same name is being written, the later one must not be forgotten.
+TEST_F(DiskStoreTest, TheLastOfManyValuesIsTheOneThatStays) {
+  for (int round = 0; round < 20; ++round) {
+    {
+      const auto store = open();
+      for (int k = 0; k < 300; ++k) store->insert(key_of(0), blob_of(k, 20000));
+      ASSERT_TRUE(store->flush());
+    }
+    const SharedBytes found = open()->find(key_of(0));
+    ASSERT_TRUE(found);
+    ASSERT_EQ(*found, *blob_of(299, 20000)) << "in round " << round;
+  }
+}
+
 TEST_F(DiskStoreTest, TheFileStaysWithinItsBoundAndWhatWasUsedLongestAgoGoesFirst) {
   constexpr std::uint64_t kCapacity = 4 << 20;
   const auto store = open(kCapacity);
@@ -150,6 +164,9 @@ TEST_F(DiskStoreTest, ASmallerBoundThanBeforeIsKeptFromTheStart) {
   EXPECT_LE(store->statistics().bytes, std::uint64_t{2} << 20);
   EXPECT_TRUE(holds(*store, 999, 10000));
   EXPECT_FALSE(holds(*store, 0, 10000));
+  ASSERT_TRUE(store->flush());
+  execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  EXPECT_LE(fs::file_size(file()), std::uint64_t{2} << 20) << "and the disk has the room";
 }
 
 TEST_F(DiskStoreTest, ADamagedBlobIsAMissAndCanBeWrittenAgain) {
@@ -224,6 +241,32 @@ TEST_F(DiskStoreTest, AFullDiskLosesWhatWasToBeWrittenAndNothingElse) {
   for (int k = 100; k < 600; ++k) store->insert(key_of(k), blob_of(k, 10000));
   EXPECT_TRUE(store->flush()) << "there is room again";
   for (int k = 0; k < 600; ++k) EXPECT_TRUE(holds(*store, k, 10000));
+}
+
+TEST_F(DiskStoreTest, DamagedOnADiskThatIsFullItWaitsForRoom) {
+  {
+    const auto store = open();
+    for (int k = 0; k < 50; ++k) store->insert(key_of(k), blob_of(k, 10000));
+    ASSERT_TRUE(store->flush());
+  }
+  const auto store = open();
+  const auto signal_before = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  rlimit full = before;
+  full.rlim_cur = 0;
+  std::ofstream(file(), std::ios::binary) << std::string(100000, 'x');
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  for (int round = 0; round < 4; ++round) {
+    for (int k = 0; k < 50; ++k) (void)holds(*store, k, 10000);  // finds out that the file is damaged
+    store->insert(key_of(100 + round), blob_of(100 + round, 10000));
+    EXPECT_FALSE(store->flush());
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, signal_before);
+  store->insert(key_of(1), blob_of(1, 10000));
+  EXPECT_TRUE(store->flush());
+  EXPECT_TRUE(holds(*store, 1, 10000));
 }
 
 TEST_F(DiskStoreTest, KilledWhileItWritesItLosesAtMostWhatWasNotFlushed) {
