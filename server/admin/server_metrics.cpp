@@ -17,27 +17,35 @@ double number(std::uint64_t value) { return static_cast<double>(value); }
 // Tier by tier within each metric, as the text format wants them.
 void write_store_metrics(PrometheusText& out, const CellServiceStatistics& shared) {
   const StoreStatistics& memory = shared.store;
-  const BlobStoreStatistics& disk = shared.blobs;
-  const bool has_disk = disk.capacity_bytes > 0;
-  const MetricLabel in_memory{"tier", "memory"}, on_disk{"tier", "disk"};
-  const auto gauge = [&](std::string_view name, std::string_view help, double of_memory, double of_disk) {
+  const MetricLabel in_memory{"tier", "memory"};
+  const auto label_of = [](const BlobStoreStatistics& tier) { return MetricLabel{"tier", tier.tier}; };
+  // Of Redis's size and what it forgot it tells itself, to its own exporter.
+  const auto is_bounded_here = [](const BlobStoreStatistics& tier) { return tier.capacity_bytes > 0; };
+  const auto gauge = [&](std::string_view name, std::string_view help, double of_memory, auto of_tier) {
     out.gauge(name, help, of_memory, in_memory);
-    if (has_disk) out.gauge(name, help, of_disk, on_disk);
+    for (const BlobStoreStatistics& tier : shared.blobs)
+      if (is_bounded_here(tier)) out.gauge(name, help, number(of_tier(tier)), label_of(tier));
   };
-  const auto counter = [&](std::string_view name, std::string_view help, double of_memory, double of_disk) {
+  const auto counter = [&](std::string_view name, std::string_view help, double of_memory, auto of_tier) {
     out.counter(name, help, of_memory, in_memory);
-    if (has_disk) out.counter(name, help, of_disk, on_disk);
+    for (const BlobStoreStatistics& tier : shared.blobs) out.counter(name, help, number(of_tier(tier)), label_of(tier));
   };
-  gauge("farfield_store_bytes", "What is kept: encoded tiles in memory; tiles, plans and names of leaves on disk.", number(memory.bytes), number(disk.bytes));
-  gauge("farfield_store_items", "How many of them.", number(memory.items), number(disk.items));
-  gauge("farfield_store_capacity_bytes", "Bound of the bytes.", number(memory.capacity_bytes), number(disk.capacity_bytes));
-  counter("farfield_store_hits_total", "Found.", number(memory.hits), number(disk.hits));
-  counter("farfield_store_misses_total", "Not found.", number(memory.misses), number(disk.misses));
-  counter("farfield_store_evictions_total", "Forgotten for lack of room.", number(memory.evictions), number(disk.evictions));
-  if (!has_disk) return;
-  out.counter("farfield_store_writes_total", "Written.", number(disk.inserts), on_disk);
-  out.counter("farfield_store_writes_dropped_total", "Not written, the disk being full or too slow: made again when next wanted.", number(disk.dropped), on_disk);
-  out.counter("farfield_store_damaged_total", "Found, and not what was written: taken for missing.", number(disk.damaged), on_disk);
+  const auto behind_memory = [&](std::string_view name, std::string_view help, auto of_tier) {
+    for (const BlobStoreStatistics& tier : shared.blobs) out.counter(name, help, number(of_tier(tier)), label_of(tier));
+  };
+  using Tier = const BlobStoreStatistics&;
+  gauge("farfield_store_bytes", "What is kept: encoded tiles in memory; tiles, plans and names of leaves on disk.", number(memory.bytes), [](Tier t) { return t.bytes; });
+  gauge("farfield_store_items", "How many of them.", number(memory.items), [](Tier t) { return t.items; });
+  gauge("farfield_store_capacity_bytes", "Bound of the bytes.", number(memory.capacity_bytes), [](Tier t) { return t.capacity_bytes; });
+  counter("farfield_store_hits_total", "Found.", number(memory.hits), [](Tier t) { return t.hits; });
+  counter("farfield_store_misses_total", "Not found.", number(memory.misses), [](Tier t) { return t.misses; });
+  counter("farfield_store_evictions_total", "Forgotten for lack of room.", number(memory.evictions), [](Tier t) { return t.evictions; });
+  behind_memory("farfield_store_writes_total", "Written.", [](Tier t) { return t.inserts; });
+  behind_memory("farfield_store_writes_dropped_total", "Not written, the tier being full, gone or too slow: made again when next wanted.", [](Tier t) { return t.dropped; });
+  behind_memory("farfield_store_rewritten_total", "Of what was written, there already: made by another server too.", [](Tier t) { return t.rewritten; });
+  behind_memory("farfield_store_damaged_total", "Found, and not what was written: taken for missing.", [](Tier t) { return t.damaged; });
+  for (const BlobStoreStatistics& tier : shared.blobs)
+    out.gauge("farfield_store_reachable", "1, or 0 while everything is a miss because the tier is gone.", tier.is_reachable ? 1 : 0, label_of(tier));
 }
 
 }  // namespace

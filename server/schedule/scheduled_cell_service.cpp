@@ -119,7 +119,7 @@ class ScheduledCellService final : public MeasuredCellService {
     return {.queue = parts_.pool->queue_statistics(),
             .pool = parts_.pool->pool_statistics(),
             .store = parts_.store->statistics(),
-            .blobs = parts_.blobs ? parts_.blobs->statistics() : BlobStoreStatistics{},
+            .blobs = parts_.blobs ? parts_.blobs->tiers() : std::vector<BlobStoreStatistics>{},
             .plan_cache = plan_cache_.statistics(),
             .leaf_flights = leaf_names_.statistics(),
             .plan_flights = plans_.statistics(),

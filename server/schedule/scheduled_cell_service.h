@@ -39,8 +39,8 @@ struct CellServiceParts {
 struct CellServiceStatistics {
   QueueStatistics queue;  // of the pool, all scenes together
   PoolStatistics pool;
-  StoreStatistics store;      // all scenes together
-  BlobStoreStatistics blobs;  // likewise
+  StoreStatistics store;                   // all scenes together
+  std::vector<BlobStoreStatistics> blobs;  // likewise, tier by tier
   PlanCacheStatistics plan_cache;
   FlightStatistics leaf_flights, plan_flights, tile_flights, geometry_flights;
   DurationHistogram tile_seconds;  // thread seconds per tile made

@@ -7,6 +7,8 @@
 
 #include <compare>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/base/bytes.h"
 #include "common/base/result.h"
@@ -30,10 +32,13 @@ struct BlobKey {
 };
 
 struct BlobStoreStatistics {
+  std::string_view tier = "disk";  // a literal
+  bool is_reachable = true;        // false: everything is a miss until it is back
   std::uint64_t hits = 0, misses = 0;
   std::uint64_t damaged = 0;      // of the misses: found, and not what had been written
   std::uint64_t inserts = 0;      // written
   std::uint64_t dropped = 0;      // not written: too many were waiting, or writing failed
+  std::uint64_t rewritten = 0;    // of the inserts: were there already, made elsewhere at the same time (Redis alone tells)
   std::uint64_t evictions = 0;
   std::uint64_t items = 0;
   std::uint64_t bytes = 0;           // what the tier occupies
@@ -51,6 +56,8 @@ class BlobStore {
   /// Waits until everything queued before is written. Errors: kIo if any of it could not be, since the last flush.
   virtual Status flush() = 0;
   virtual BlobStoreStatistics statistics() const = 0;
+  /// Of each tier, the first asked first.
+  virtual std::vector<BlobStoreStatistics> tiers() const { return {statistics()}; }
 };
 
 }  // namespace farfield
