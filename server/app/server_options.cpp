@@ -5,6 +5,7 @@
 
 #include "common/base/command_line.h"
 #include "common/base/byte_size.h"
+#include "common/base/duration.h"
 #include "server/app/load_arguments.h"
 #include "server/app/quality_arguments.h"
 #include "server/app/server_program.h"
@@ -19,6 +20,7 @@ constexpr const char* kFooter = R"(Examples:
   farfield-server --scene clinic.glb
   farfield-server --scene plant=pipes:1000000:1 --scene town=tile.city.json --listen 0.0.0.0:7400
   farfield-server --scene plant.glb --store /var/cache/farfield --store-bytes 100GiB
+  farfield-server --scene plant.glb --redis cache.example:6379     # one of several that share what they make
   farfield-server --scene delft.obj --up z --shift -84900,0,447600 --admin 127.0.0.1:7401
 
 SIGTERM stops taking clients, tells those connected to come back, and ends.
@@ -26,7 +28,7 @@ Exit codes: 0 told to stop, 1 failed, 2 wrong usage, 130 interrupted.)";
 
 struct RawOptions {
   std::vector<std::string> scenes;
-  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB", store_bytes = "16GiB";
+  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB", store_bytes = "16GiB", redis, redis_expiry = "7d";
   LoadArguments load;
   bool shows_version = false;
 };
@@ -38,8 +40,10 @@ void add_options(CLI::App& app, RawOptions& raw, ServerProgramOptions& options) 
   app.add_option("--listen", raw.listen, "HOST:PORT for clients; port 0 takes any free one and prints it")->capture_default_str();
   app.add_option("--admin", raw.admin, "HOST:PORT for /metrics, /healthz and /readyz (default: off)");
   app.add_option("--memory", raw.memory, "Bound of the encoded tiles kept in memory")->capture_default_str();
-  app.add_option("--store", options.store, "Folder where tiles and plans are kept for the next start (default: none)");
+  app.add_option("--store", options.stores.folder, "Folder where tiles and plans are kept for the next start (default: none)");
   app.add_option("--store-bytes", raw.store_bytes, "Bound of that folder's contents; least recently used go first")->capture_default_str();
+  app.add_option("--redis", raw.redis, "Redis server that several servers share tiles and plans through, HOST:PORT or unix:PATH (default: none)");
+  app.add_option("--redis-expiry", raw.redis_expiry, "How long it keeps them, as 12h or 7d")->capture_default_str();
   app.add_option("--threads", options.threads, "Threads that make tiles (default: one per processor)")->check(whole_number_between(1, 1024));
   app.add_option("--cast-nice", options.cast_nice, "How much these threads give way to those that serve: 10 on a machine of the server's own")
       ->check(whole_number_between(0, 19))
@@ -69,7 +73,15 @@ Status fill(const RawOptions& raw, ServerProgramOptions& options) {
   options.memory_bytes = *memory;
   const Result<std::size_t> store_bytes = parse_byte_size(raw.store_bytes);
   if (!store_bytes) return fail_within("--store-bytes", store_bytes.error());
-  options.store_bytes = *store_bytes;
+  options.stores.folder_bytes = *store_bytes;
+  if (!raw.redis.empty()) {
+    Result<RedisAddress> redis = parse_redis_address(raw.redis);
+    if (!redis) return fail_within("--redis", redis.error());
+    options.stores.redis = std::move(*redis);
+  }
+  const Result<std::chrono::seconds> expiry = parse_duration(raw.redis_expiry);
+  if (!expiry) return fail_within("--redis-expiry", expiry.error());
+  options.stores.redis_expiry = *expiry;
   options.load = raw.load.options();
   ImpostorSettings& settings = options.settings;
   if (settings.face_tiles == 0) settings.face_tiles = face_tiles_for(settings.display, settings.kappa);

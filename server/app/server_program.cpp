@@ -14,7 +14,6 @@
 #include "common/net/connect.h"
 #include "server/admin/admin_server.h"
 #include "server/admin/server_metrics.h"
-#include "server/store/disk_store.h"
 #include "server/store/memory_tile_store.h"
 
 namespace farfield {
@@ -82,11 +81,9 @@ Result<std::vector<std::shared_ptr<MeasuredCellService>>> build_services(const S
   service_options.pool = std::make_shared<JobPool>(options.threads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "cast", options.cast_nice);
   service_options.prompt_pool = std::make_shared<JobPool>(kPromptThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt");
   service_options.log = [&log](const std::string& line) { log.write(line); };
-  if (!options.store.empty()) {
-    auto blobs = open_disk_store({.folder = options.store, .capacity_bytes = options.store_bytes, .log = service_options.log});
-    if (!blobs) return fail_within("--store", blobs.error());
-    service_options.blobs = std::move(*blobs);
-  }
+  Result<std::shared_ptr<BlobStore>> blobs = open_stores(options.stores, service_options.log);
+  if (!blobs) return tl::unexpected(blobs.error());
+  service_options.blobs = std::move(*blobs);
   std::vector<std::shared_ptr<MeasuredCellService>> services;
   for (const SceneArgument& scene : options.scenes) {
     Result<std::shared_ptr<MeasuredCellService>> service = build_service(scene, service_options);

@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/impostor/settings.h"
 #include "server/app/build_service.h"
+#include "server/app/open_stores.h"
 #include "server/session/server.h"
 
 namespace farfield {
@@ -19,8 +19,7 @@ struct ServerProgramOptions {
   Endpoint listen;
   std::optional<Endpoint> admin;
   std::size_t memory_bytes = std::size_t{4} << 30;  // of encoded tiles
-  std::filesystem::path store;                      // folder of what outlives the process; empty: nothing does
-  std::size_t store_bytes = std::size_t{16} << 30;  // of it
+  StoreOptions stores;                              // behind memory
   int threads = 0;                                  // that make tiles; 0: one per processor
   int cast_nice = 0;                                // of these threads
   LoadOptions load;

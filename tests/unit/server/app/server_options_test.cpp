@@ -40,6 +40,8 @@ TEST(ServerProgram, WrongUsageIsTwo) {
   EXPECT_EQ(run({}), 2);
   EXPECT_EQ(run({"--scene", "pipes:1000:1", "--listen", "host:port"}), 2);
   EXPECT_EQ(run({"--scene", "pipes:1000:1", "--memory", "lots"}), 2);
+  EXPECT_EQ(run({"--scene", "pipes:1000:1", "--redis", "unix:"}), 2);
+  EXPECT_EQ(run({"--scene", "pipes:1000:1", "--redis-expiry", "never"}), 2);
   EXPECT_EQ(run({"--scene", "a=pipes:1000:1", "--scene", "a=pipes:2000:1"}), 2);
   EXPECT_EQ(run({"--scene", "pipes:1000:1", "--up", "w"}), 2);
   EXPECT_EQ(run({"--help"}), 0);

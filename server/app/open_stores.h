@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tiers behind memory, as the command line names them: a folder, a Redis server, one behind the other, or none.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/store/blob_store.h"
+#include "server/store/redis_connection.h"
+
+namespace farfield {
+
+struct StoreOptions {
+  std::filesystem::path folder;                     // of what outlives the process; empty: none
+  std::size_t folder_bytes = std::size_t{16} << 30;
+  std::optional<RedisAddress> redis;                // shared with other servers
+  std::chrono::seconds redis_expiry{7 * 24 * 3600};
+};
+
+/// A Redis server that is not there is said in the log, and joined when it is.
+/// Returns: null if no tier is wanted. Errors: the folder's, as open_disk_store().
+Result<std::shared_ptr<BlobStore>> open_stores(const StoreOptions& options, const std::function<void(const std::string&)>& log);
+
+}  // namespace farfield
