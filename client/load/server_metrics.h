@@ -8,7 +8,7 @@
 
 namespace farfield::client {
 
-inline constexpr std::string_view kLeafPlansMetric = "farfield_leaf_plans_total";
+inline constexpr std::string_view kLeafPlansMetric = "farfield_leaf_plans_made_total";
 
 /// Summed over its labels. Blocks, a few seconds at most. Errors: kUnavailable (nobody answers there), kNotFound (no such metric).
 Result<double> read_metric(const Endpoint& admin, std::string_view name);

@@ -110,10 +110,16 @@ void write_metrics(PrometheusText& out, std::span<const std::shared_ptr<Measured
     per_scene([&](const CellServiceStatistics& s, MetricLabel scene) { out.counter(name, help, number(value_of(s)), scene); });
   };
   using Statistics = const CellServiceStatistics&;
-  count("farfield_tile_flights_total", "Tiles begun to be made.", [](Statistics s) { return s.tile_flights.begun; });
+  count("farfield_tile_flights_total", "Tiles begun to be made, turned away to wait for another server included.", [](Statistics s) { return s.tile_flights.begun; });
   count("farfield_tile_flights_shared_total", "Requests that joined work already under way.", [](Statistics s) { return s.tile_flights.shared; });
   count("farfield_tile_flights_cancelled_total", "Tiles given up: nobody wanted them any more.", [](Statistics s) { return s.tile_flights.cancelled; });
-  count("farfield_leaf_plans_total", "Leaf plans begun to be made.", [](Statistics s) { return s.plan_flights.begun; });
+  count("farfield_tiles_made_total", "Tiles made.", [](Statistics s) { return s.tile_seconds.count; });
+  count("farfield_leaf_plans_total", "Leaf plans begun to be made, likewise.", [](Statistics s) { return s.plan_flights.begun; });
+  count("farfield_leaf_plans_made_total", "Leaf plans made.", [](Statistics s) { return s.plans_made; });
+  count("farfield_leases_total", "Tiles and plans made holding a lease, so that no other server made them.", [](Statistics s) { return s.turns.leases; });
+  count("farfield_leases_missing_total", "Tiles and plans made without: no lease could be had, or its holder took too long.", [](Statistics s) { return s.turns.alone; });
+  count("farfield_lease_waits_total", "Waits of requests for what another server made.", [](Statistics s) { return s.turns.waits; });
+  count("farfield_lease_waits_in_vain_total", "Of these, ended by making it here.", [](Statistics s) { return s.turns.waits_in_vain; });
   count("farfield_tiles_empty_total", "Tiles that held nothing and were not sent.", [](Statistics s) { return s.skipped.empty_tiles; });
   count("farfield_tiles_unseen_total", "Tiles not made: nothing of them can be seen from the leaf planned.", [](Statistics s) { return s.left_out.tiles_unseen; });
   count("farfield_tiles_too_small_total", "Tiles not made: too little of them can be seen from the leaf planned.",

@@ -53,7 +53,7 @@ std::shared_ptr<MeasuredCellService> service_for_scene(const std::string& name, 
   parts.tiles = sources.tiles;
   parts.store = options.store;
   parts.pool = options.pool;
-  parts.blobs = options.blobs, parts.prompt_pool = options.prompt_pool;
+  parts.blobs = options.blobs, parts.lease = options.lease, parts.prompt_pool = options.prompt_pool;
   return make_cell_service(std::move(parts));
 }
 

@@ -28,6 +28,7 @@ struct ServiceOptions {
   std::shared_ptr<JobPool> pool;
   std::shared_ptr<JobPool> prompt_pool;  // see CellServiceParts
   std::shared_ptr<BlobStore> blobs;      // may be null
+  std::shared_ptr<GenerationLease> lease;  // likewise
   std::function<void(const std::string&)> log;  // progress and warnings, one line each; may be empty
 };
 

@@ -4,24 +4,29 @@
 #include <utility>
 
 #include "server/store/disk_store.h"
+#include "server/store/redis_lease.h"
 #include "server/store/redis_store.h"
 #include "server/store/tiered_blob_store.h"
 
 namespace farfield {
 
-Result<std::shared_ptr<BlobStore>> open_stores(const StoreOptions& options, const std::function<void(const std::string&)>& log) {
-  std::shared_ptr<BlobStore> disk, shared;
+Result<OpenStores> open_stores(const StoreOptions& options, const std::function<void(const std::string&)>& log) {
+  OpenStores stores;
   if (!options.folder.empty()) {
-    auto opened = open_disk_store({.folder = options.folder, .capacity_bytes = options.folder_bytes, .log = log});
-    if (!opened) return fail_within("--store", opened.error());
-    disk = std::move(*opened);
+    auto disk = open_disk_store({.folder = options.folder, .capacity_bytes = options.folder_bytes, .log = log});
+    if (!disk) return fail_within("--store", disk.error());
+    stores.blobs = std::move(*disk);
   }
-  if (options.redis) {
-    auto client = std::make_shared<RedisClient>(RedisClientOptions{.address = *options.redis, .log = log});
-    shared = std::make_shared<RedisStore>(std::move(client), RedisStoreOptions{.expiry = options.redis_expiry, .log = log});
+  if (!options.redis) return stores;
+  const auto client = std::make_shared<RedisClient>(RedisClientOptions{.address = *options.redis, .log = log});
+  const auto shared = std::make_shared<RedisStore>(client, RedisStoreOptions{.expiry = options.redis_expiry, .log = log});
+  stores.lease = std::make_shared<RedisLease>(client, shared);
+  if (stores.blobs) {
+    stores.blobs = std::make_shared<TieredBlobStore>(std::move(stores.blobs), shared);
+  } else {
+    stores.blobs = shared;
   }
-  if (disk && shared) return std::make_shared<TieredBlobStore>(std::move(disk), std::move(shared));
-  return disk ? disk : shared;
+  return stores;
 }
 
 }  // namespace farfield

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "server/store/blob_store.h"
+#include "server/store/generation_lease.h"
 #include "server/store/redis_connection.h"
 
 namespace farfield {
@@ -20,8 +21,12 @@ struct StoreOptions {
   std::chrono::seconds redis_expiry{7 * 24 * 3600};
 };
 
-/// A Redis server that is not there is said in the log, and joined when it is.
-/// Returns: null if no tier is wanted. Errors: the folder's, as open_disk_store().
-Result<std::shared_ptr<BlobStore>> open_stores(const StoreOptions& options, const std::function<void(const std::string&)>& log);
+struct OpenStores {
+  std::shared_ptr<BlobStore> blobs;        // null: no tier is wanted
+  std::shared_ptr<GenerationLease> lease;  // null: nobody shares them
+};
+
+/// A Redis server that is not there is said in the log, and joined when it is. Errors: the folder's, as open_disk_store().
+Result<OpenStores> open_stores(const StoreOptions& options, const std::function<void(const std::string&)>& log);
 
 }  // namespace farfield

@@ -81,9 +81,9 @@ Result<std::vector<std::shared_ptr<MeasuredCellService>>> build_services(const S
   service_options.pool = std::make_shared<JobPool>(options.threads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "cast", options.cast_nice);
   service_options.prompt_pool = std::make_shared<JobPool>(kPromptThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt");
   service_options.log = [&log](const std::string& line) { log.write(line); };
-  Result<std::shared_ptr<BlobStore>> blobs = open_stores(options.stores, service_options.log);
-  if (!blobs) return tl::unexpected(blobs.error());
-  service_options.blobs = std::move(*blobs);
+  Result<OpenStores> stores = open_stores(options.stores, service_options.log);
+  if (!stores) return tl::unexpected(stores.error());
+  service_options.blobs = std::move(stores->blobs), service_options.lease = std::move(stores->lease);
   std::vector<std::shared_ptr<MeasuredCellService>> services;
   for (const SceneArgument& scene : options.scenes) {
     Result<std::shared_ptr<MeasuredCellService>> service = build_service(scene, service_options);

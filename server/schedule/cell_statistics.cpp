@@ -41,6 +41,7 @@ void CellStatisticsRecorder::add_tile(const TileId& id, const EncodedTile& tile)
 
 void CellStatisticsRecorder::add_plan(const LeafPlan& plan) {
   const std::scoped_lock lock(mutex_);
+  ++plans_;
   if (CellStatistics* record = record_of(plan.leaf)) {
     record->is_leaf = true;
     record->visibility_seconds += plan.seconds;
@@ -67,6 +68,11 @@ std::vector<CellStatistics> CellStatisticsRecorder::cells() const {
 DurationHistogram CellStatisticsRecorder::tile_seconds() const {
   const std::scoped_lock lock(mutex_);
   return tile_seconds_;
+}
+
+std::uint64_t CellStatisticsRecorder::plans() const {
+  const std::scoped_lock lock(mutex_);
+  return plans_;
 }
 
 std::uint64_t CellStatisticsRecorder::dropped() const {

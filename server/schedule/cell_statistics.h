@@ -49,6 +49,7 @@ class CellStatisticsRecorder {
   std::vector<CellStatistics> cells() const;
   /// Thread seconds of every tile made, whatever its cell.
   DurationHistogram tile_seconds() const;
+  std::uint64_t plans() const;  // made, whatever their cell
   std::uint64_t dropped() const;
 
  private:
@@ -58,7 +59,7 @@ class CellStatisticsRecorder {
   mutable std::mutex mutex_;  // guards everything below
   std::unordered_map<CellId, CellStatistics> cells_;
   DurationHistogram tile_seconds_;
-  std::uint64_t dropped_ = 0;
+  std::uint64_t plans_ = 0, dropped_ = 0;
 };
 
 }  // namespace farfield

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A request that waits several times, one wait after the other: for the disk, for a leaf's name, for its plan. Releasing it
-// withdraws from whichever wait it has come to.
+// A request that waits several times, one wait after the other: for the disk, for a leaf's name, for its plan, for another server.
+// Releasing it withdraws from whichever wait it has come to.
 #pragma once
 
 #include <functional>
@@ -15,18 +15,20 @@ namespace farfield {
 /// Thread-safe.
 class RequestChain : public std::enable_shared_from_this<RequestChain> {
  public:
-  /// Begins wait number `step`: `join` returns what withdraws from it. Waits may end, and later ones begin, before `join` returns.
+  /// Begins the next wait: `join` returns what withdraws from it. Waits may end, and later ones begin, before `join` returns.
   template <class Join>
-  void wait(int step, Join join) {
+  void wait(Join join) {
+    int step = 0;
     {
       const std::scoped_lock lock(mutex_);
       if (is_released_) return;
+      step = ++begun_;
     }
     std::function<void()> withdraw = join();
     {
       const std::scoped_lock lock(mutex_);
       if (!is_released_) {
-        if (step >= step_) step_ = step, withdraw_.swap(withdraw);
+        if (step > step_) step_ = step, withdraw_.swap(withdraw);
         return;
       }
     }
@@ -47,7 +49,7 @@ class RequestChain : public std::enable_shared_from_this<RequestChain> {
 
   std::mutex mutex_;  // guards everything below; never held while others are called
   bool is_released_ = false;
-  int step_ = 0;
+  int begun_ = 0, step_ = 0;  // waits; the one that withdraw_ is of
   std::function<void()> withdraw_;
 };
 

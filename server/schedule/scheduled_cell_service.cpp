@@ -2,10 +2,12 @@
 #include "server/schedule/scheduled_cell_service.h"
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "server/schedule/lease_waits.h"
 #include "server/schedule/request_chain.h"
 #include "server/store/blob_records.h"
 
@@ -37,6 +39,10 @@ class ScheduledCellService final : public MeasuredCellService {
     if (!parts_.blobs) return;
     fetched_leaves_.emplace(prompt_queue());
     fetched_tiles_.emplace(prompt_queue());
+    if (parts_.lease) lease_waits_.emplace(parts_.lease);
+  }
+  ~ScheduledCellService() override {
+    if (lease_waits_) lease_waits_->stop();  // what waits there would join the flights again
   }
 
   const SceneDescription& scene() const override { return parts_.scene; }
@@ -59,7 +65,7 @@ class ScheduledCellService final : public MeasuredCellService {
       if (whole) *whole = plan_at(*whole, grid_, viewpoint);
       answer(std::move(whole));
     };
-    LeafRequest request{viewpoint, finest, priority, clock_(), std::move(at_viewpoint)};
+    LeafRequest request{viewpoint, finest, priority, clock_(), {}, std::move(at_viewpoint)};
     if (fetched_leaves_) fetch_leaf(chain, std::move(request)); else name_leaf(chain, std::move(request));
     return chain->ticket();
   }
@@ -88,7 +94,8 @@ class ScheduledCellService final : public MeasuredCellService {
       return {};
     }
     const auto chain = std::make_shared<RequestChain>();
-    if (fetched_tiles_) fetch_tile(chain, key, priority, std::move(answer)); else make_tile(chain, key, priority, std::move(answer));
+    TileRequest request{key, priority, clock_(), {}, std::move(answer)};
+    if (fetched_tiles_) fetch_tile(chain, std::move(request)); else make_tile(chain, std::move(request));
     return chain->ticket();
   }
 
@@ -126,6 +133,8 @@ class ScheduledCellService final : public MeasuredCellService {
             .tile_flights = tiles_.statistics(),
             .geometry_flights = geometry_.statistics(),
             .tile_seconds = recorder_.tile_seconds(),
+            .plans_made = recorder_.plans(),
+            .turns = {.leases = turns_.leases, .alone = turns_.alone, .waits = turns_.waits, .waits_in_vain = turns_.waits_in_vain},
             .skipped = parts_.tiles->skips(),
             .left_out = parts_.leaves->skips(),
             .certificates = parts_.tiles->certificates()};
@@ -135,21 +144,32 @@ class ScheduledCellService final : public MeasuredCellService {
  private:
   JobQueue& prompt_queue() const { return (parts_.prompt_pool ? parts_.prompt_pool : parts_.pool)->queue(); }
 
+  // How long a request still waits for another server.
+  struct Patience {
+    std::optional<LeaseWaits::Clock::time_point> until;  // none: has not waited yet
+    bool has_waited() const { return until.has_value(); }
+    bool is_over() const { return until && LeaseWaits::Clock::now() >= *until; }
+  };
   struct LeafRequest {
     glm::dvec3 viewpoint;
     CellId finest;  // that holds it
     WorkPriority priority;
     double asked_s = 0;
+    Patience patience;
     Answer<SharedPlan> answer;
+  };
+  struct TileRequest {
+    TileKey key;
+    WorkPriority priority;
+    double asked_s = 0;
+    Patience patience;
+    Answer<SharedTile> answer;
   };
   // What the tiers behind memory know of a finest cell.
   struct FetchedLeaf {
     std::optional<LeafName> name;
     SharedPlan plan;
   };
-  // The waits of a request, in their order.
-  enum Step { kFetch, kName, kMake };
-
   static ContentHash world_of(const SceneDescription& scene) {
     const std::array<ContentHash, 2> parts{scene.hash, kImpostorVersion};
     return hash_values(std::span<const ContentHash>(parts));
@@ -169,7 +189,7 @@ class ScheduledCellService final : public MeasuredCellService {
 
   // ── leaves: stored, else named, then planned ──
   void fetch_leaf(const std::shared_ptr<RequestChain>& chain, LeafRequest request) {
-    chain->wait(kFetch, [&] {
+    chain->wait([&] {
       const CellId finest = request.finest;
       const WorkPriority priority = request.priority;
       auto handle = fetched_leaves_->join(
@@ -185,14 +205,18 @@ class ScheduledCellService final : public MeasuredCellService {
     if (!name || !finest.is_within(name->leaf)) return found;
     found.name = *name;
     found.plan = plan_cache_.peek(name->leaf);
-    if (found.plan || name->is_blocked) return found;
+    if (!found.plan && !name->is_blocked) found.plan = find_plan(name->leaf);
+    return found;
+  }
+
+  // Returns: null if it is not stored.
+  SharedPlan find_plan(const CellId& leaf) {
     const auto read = [this](ByteView bytes) { return read_plan_record(bytes, parts_.geometry->chunk_count()); };
-    const Result<SharedPlan> plan = fetched(BlobKind::kPlan, {.cell = name->leaf}, read);
-    if (!plan || (*plan)->leaf != name->leaf) return found;
+    const Result<SharedPlan> plan = fetched(BlobKind::kPlan, {.cell = leaf}, read);
+    if (!plan || (*plan)->leaf != leaf) return nullptr;
     place_chunks(**plan);
     plan_cache_.insert(*plan);
-    found.plan = *plan;
-    return found;
+    return *plan;
   }
 
   void use_fetched(const std::shared_ptr<RequestChain>& chain, LeafRequest request, Result<FetchedLeaf> found) {
@@ -206,7 +230,7 @@ class ScheduledCellService final : public MeasuredCellService {
   }
 
   void name_leaf(const std::shared_ptr<RequestChain>& chain, LeafRequest request) {
-    chain->wait(kName, [&] {
+    chain->wait([&] {
       const CellId finest = request.finest;
       const WorkPriority priority = later(request.priority, clock_() - request.asked_s);
       auto handle = leaf_names_.join(
@@ -238,22 +262,29 @@ class ScheduledCellService final : public MeasuredCellService {
     } else if (SharedPlan known = plan_cache_.peek(name.leaf)) {
       request.answer(std::move(known));
     } else {
-      chain->wait(kMake, [&] {
+      chain->wait([&] {
         const WorkPriority priority = later(request.priority, clock_() - request.asked_s);
+        const bool insists = note_making(request.patience);
         auto handle = plans_.join(
-            name.leaf, priority, [this, leaf = name.leaf](const CancelFlag& cancel) { return make_plan(leaf, cancel); }, std::move(request.answer));
+            name.leaf, priority, [this, leaf = name.leaf, insists](const CancelFlag& cancel) { return make_plan(leaf, insists, cancel); },
+            [this, chain, leaf = name.leaf, request = std::move(request)](Result<SharedPlan> plan) mutable {
+              if (!plan || *plan) return request.answer(std::move(plan));
+              wait_for_other(chain, blob_key(BlobKind::kPlan, {.cell = leaf}), std::move(request), &ScheduledCellService::fetch_leaf);
+            });
         return [this, leaf = name.leaf, handle = std::move(handle)] { plans_.withdraw(leaf, handle); };
       });
     }
   }
 
   // ── tiles: stored, else made ──
-  void fetch_tile(const std::shared_ptr<RequestChain>& chain, const TileKey& key, const WorkPriority& priority, Answer<SharedTile> answer) {
-    chain->wait(kFetch, [&] {
+  void fetch_tile(const std::shared_ptr<RequestChain>& chain, TileRequest request) {
+    chain->wait([&] {
+      const TileKey key = request.key;
+      const WorkPriority priority = later(request.priority, clock_() - request.asked_s);
       auto handle = fetched_tiles_->join(
           key.tile, priority, [this, key](const CancelFlag&) { return find_tile(key); },
-          [this, chain, key, priority, asked_s = clock_(), answer = std::move(answer)](Result<SharedTile> found) mutable {
-            if (found && *found) answer(std::move(found)); else make_tile(chain, key, later(priority, clock_() - asked_s), std::move(answer));
+          [this, chain, request = std::move(request)](Result<SharedTile> found) mutable {
+            if (found && *found) request.answer(std::move(found)); else make_tile(chain, std::move(request));
           });
       return [this, tile = key.tile, handle = std::move(handle)] { fetched_tiles_->withdraw(tile, handle); };
     });
@@ -268,12 +299,47 @@ class ScheduledCellService final : public MeasuredCellService {
     return *tile;
   }
 
-  void make_tile(const std::shared_ptr<RequestChain>& chain, const TileKey& key, const WorkPriority& priority, Answer<SharedTile> answer) {
-    chain->wait(kMake, [&] {
+  void make_tile(const std::shared_ptr<RequestChain>& chain, TileRequest request) {
+    chain->wait([&] {
+      const TileKey key = request.key;
+      const WorkPriority priority = later(request.priority, clock_() - request.asked_s);
+      const bool insists = note_making(request.patience);
       auto handle = tiles_.join(
-          key.tile, priority, [this, key](const CancelFlag& cancel) { return make_tile(key, cancel); }, std::move(answer));
+          key.tile, priority, [this, key, insists](const CancelFlag& cancel) { return make_tile(key, insists, cancel); },
+          [this, chain, request = std::move(request)](Result<SharedTile> tile) mutable {
+            if (!tile || *tile) return request.answer(std::move(tile));
+            const BlobKey blob = blob_key(BlobKind::kTile, request.key.tile);
+            wait_for_other(chain, blob, std::move(request), &ScheduledCellService::fetch_tile);
+          });
       return [this, tile = key.tile, handle = std::move(handle)] { tiles_.withdraw(tile, handle); };
     });
+  }
+
+  // ── turns among servers: what another makes is waited for, then looked for again ──
+  template <class Request>
+  void wait_for_other(const std::shared_ptr<RequestChain>& chain, const BlobKey& key, Request request,
+                      void (ScheduledCellService::*fetch)(const std::shared_ptr<RequestChain>&, Request)) {
+    if (!request.patience.has_waited()) request.patience.until = LeaseWaits::Clock::now() + kPatience;
+    ++turns_.waits;
+    chain->wait([&] {
+      const auto until = *request.patience.until;
+      // Shared: functions are copied, and answers need not be copyable twice.
+      const auto kept = std::make_shared<Request>(std::move(request));
+      auto handle = lease_waits_->wait(key, until, [this, chain, kept, fetch] { (this->*fetch)(chain, std::move(*kept)); });
+      return [this, handle = std::move(handle)] { lease_waits_->withdraw(handle); };
+    });
+  }
+  // Returns: whether it is to be made whoever else makes it.
+  bool note_making(const Patience& patience) {
+    if (patience.has_waited()) ++turns_.waits_in_vain;
+    return patience.is_over();
+  }
+  // Requires: a casting thread, about to make it.
+  HeldTurn take_turn(const BlobKey& key, bool insists) {
+    return parts_.lease && parts_.blobs && !insists ? HeldTurn(*parts_.lease, key) : HeldTurn(Turn::kAlone);
+  }
+  void count_turn(Turn turn) {
+    if (parts_.lease) ++(turn == Turn::kOurs ? turns_.leases : turns_.alone);
   }
 
   static constexpr std::uint64_t kTextureKeys = std::uint64_t{1} << 63;  // chunks are keyed by their index alone
@@ -283,21 +349,34 @@ class ScheduledCellService final : public MeasuredCellService {
     for (const std::uint32_t chunk : plan.chunks) parts_.geometry->placement(chunk);
   }
 
-  Result<SharedPlan> make_plan(const CellId& leaf, const CancelFlag& cancel) {
+  // Returns: null if another server makes it.
+  Result<SharedPlan> make_plan(const CellId& leaf, bool insists, const CancelFlag& cancel) {
     // Finished between the first look and the start of this flight?
     if (SharedPlan known = plan_cache_.peek(leaf)) return known;
+    const HeldTurn turn = take_turn(blob_key(BlobKind::kPlan, {.cell = leaf}), insists);
+    if (turn.turn() == Turn::kTheirs) return SharedPlan();
+    if (turn.turn() == Turn::kMade) {
+      if (SharedPlan found = find_plan(leaf)) return found;
+    }
     Result<SharedPlan> made = parts_.leaves->plan(leaf, cancel);
     if (!made) return made;
     if (!*made) return fail(ErrorCode::kInternal, "the leaf source returned no plan and no error");
     place_chunks(**made);
     plan_cache_.insert(*made);
     keep(BlobKind::kPlan, {.cell = leaf}, write_plan_record(**made));
+    count_turn(turn.turn());
     recorder_.add_plan(**made);
     return made;
   }
 
-  Result<SharedTile> make_tile(const TileKey& key, const CancelFlag& cancel) {
+  // Returns: null if another server makes it.
+  Result<SharedTile> make_tile(const TileKey& key, bool insists, const CancelFlag& cancel) {
     if (SharedTile known = parts_.store->peek(key)) return known;
+    const HeldTurn turn = take_turn(blob_key(BlobKind::kTile, key.tile), insists);
+    if (turn.turn() == Turn::kTheirs) return SharedTile();
+    if (turn.turn() == Turn::kMade) {
+      if (Result<SharedTile> found = find_tile(key); found && *found) return found;
+    }
     Result<SharedTile> made = parts_.tiles->make(key.tile, cancel);
     if (!made) return made;
     if (!*made || !(*made)->bytes) {
@@ -305,6 +384,7 @@ class ScheduledCellService final : public MeasuredCellService {
     }
     parts_.store->insert(key, *made);
     keep(BlobKind::kTile, key.tile, write_tile_record(**made));
+    count_turn(turn.turn());
     recorder_.add_tile(key.tile, **made);
     return made;
   }
@@ -319,9 +399,15 @@ class ScheduledCellService final : public MeasuredCellService {
   const CellServiceParts parts_;
   const SecondsClock clock_ = steady_clock_seconds();
   const ContentHash world_;  // of the blobs
+  // How long another server may take before what it makes is made here too: it lives, or its lease would be gone.
+  static constexpr std::chrono::seconds kPatience{15};
   const CellGrid grid_;
   PlanCache plan_cache_;
   CellStatisticsRecorder recorder_;
+  struct {
+    std::atomic<std::uint64_t> leases{0}, alone{0}, waits{0}, waits_in_vain{0};
+  } turns_;
+  std::optional<LeaseWaits> lease_waits_;  // none without a lease
   // Destroyed in the opposite order: the answers of those below join those above.
   SingleFlight<CellId, SharedPlan, JobQueue> plans_;
   SingleFlight<CellId, LeafName, JobQueue> leaf_names_;

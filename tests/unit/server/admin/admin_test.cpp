@@ -95,6 +95,8 @@ class SkippingService final : public MeasuredCellService {
     s.skipped = {.empty_tiles = 11, .samples_coloured_once = 12, .hidden_samples = 13, .delta_blocks_hidden = 14, .delta_blocks_not_cast = 15, .delta_samples_held = 16, .samples_without_depth = 17, .identical_tiles = 18, .identical_bytes = 19};
     s.left_out.tiles_unseen = 21, s.left_out.tiles_too_small = 22, s.left_out.chunks_facing_away = 23, s.left_out.chunks_unseen = 24;
     s.left_out.triangles_unseen = 25, s.left_out.blocked_cells = 26, s.left_out.delta_views_unneeded = 27;
+    s.blobs = {{.tier = "disk", .hits = 41, .capacity_bytes = 42}, {.tier = "redis", .is_reachable = false, .hits = 43, .rewritten = 44}};
+    s.plans_made = 45, s.turns = {.leases = 46, .alone = 47, .waits = 48, .waits_in_vain = 49};
     return s;
   }
 
@@ -121,6 +123,18 @@ TEST(ServerMetrics, CountsWhatWasSkipped) {
         "farfield_delta_views_unneeded_total{scene=\"s\"} 27\n", "farfield_tiles_held_total 31\n", "farfield_payload_bytes_held_total 32\n",
         "farfield_leaves_blocked_ahead_total 33\n"})
     EXPECT_NE(out.text().find(line), std::string::npos) << line;
+}
+
+TEST(ServerMetrics, TellsTiersAndTurns) {
+  PrometheusText out;
+  write_metrics(out, std::vector<std::shared_ptr<MeasuredCellService>>{std::make_shared<SkippingService>()});
+  for (const char* line :
+       {"farfield_store_hits_total{tier=\"disk\"} 41\n", "farfield_store_capacity_bytes{tier=\"disk\"} 42\n", "farfield_store_hits_total{tier=\"redis\"} 43\n",
+        "farfield_store_rewritten_total{tier=\"redis\"} 44\n", "farfield_store_reachable{tier=\"disk\"} 1\n", "farfield_store_reachable{tier=\"redis\"} 0\n",
+        "farfield_leaf_plans_made_total{scene=\"s\"} 45\n", "farfield_leases_total{scene=\"s\"} 46\n", "farfield_leases_missing_total{scene=\"s\"} 47\n",
+        "farfield_lease_waits_total{scene=\"s\"} 48\n", "farfield_lease_waits_in_vain_total{scene=\"s\"} 49\n"})
+    EXPECT_NE(out.text().find(line), std::string::npos) << line;
+  EXPECT_EQ(out.text().find("farfield_store_capacity_bytes{tier=\"redis\"}"), std::string::npos) << "bounded by Redis";
 }
 
 TEST(ServerMetrics, EveryNameIsDescribedOnce) {
