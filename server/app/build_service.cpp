@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/app/build_service.h"
 
-#include <chrono>
 #include <filesystem>
 
-#include "server/app/walk_path.h"
 #include "server/encode/tile_maker.h"
 #include "server/schedule/scene_geometry.h"
 
 namespace farfield {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 std::string default_name(const std::string& scene) {
   const bool is_generated = scene.find('/') == std::string::npos && scene.find(':') != std::string::npos;
@@ -35,14 +29,13 @@ Result<SceneArgument> parse_scene_argument(const std::string& text) {
   return argument;
 }
 
-std::shared_ptr<MeasuredCellService> service_for_scene(const std::string& name, std::shared_ptr<const Scene> scene,
-                                                       const ServiceOptions& options) {
+std::shared_ptr<MeasuredCellService> service_for_scene(const std::string& name, const PreparedScene& prepared, const ServiceOptions& options) {
+  const std::shared_ptr<const Scene>& scene = prepared.scene;
   ImpostorSettings settings = options.settings;
   settings.finest_side_m = finest_side_for(*scene, settings.finest_side_m);
 
-  const Result<glm::dvec3> standing = standing_point(*scene, 1);
-  if (!standing && options.log) options.log(name + ": warning: no place to stand was found, viewers start at the scene's centre");
-  SceneDescription description = describe_scene(*scene, settings, standing ? *standing : scene->bounds().center());
+  if (!prepared.standing && options.log) options.log(name + ": warning: no place to stand was found, viewers start at the scene's centre");
+  SceneDescription description = describe_scene(*scene, settings, prepared.standing.value_or(scene->bounds().center()));
   description.name = name;
 
   const ImpostorSources sources = make_impostor_sources(scene, settings);
@@ -58,21 +51,14 @@ std::shared_ptr<MeasuredCellService> service_for_scene(const std::string& name, 
 }
 
 Result<std::shared_ptr<MeasuredCellService>> build_service(const SceneArgument& argument, const ServiceOptions& options) {
-  const auto log = [&](const std::string& line) {
-    if (options.log) options.log(argument.name + ": " + line);
+  const auto log = [name = argument.name, log = options.log](const std::string& line) {
+    if (log) log(name + ": " + line);
   };
-  const Clock::time_point start = Clock::now();
-  Result<Model> model = load_model(argument.scene, options.load);
-  if (!model) return tl::unexpected(model.error());
-  for (const std::string& warning : model->warnings) log("warning: " + warning);
-  log(fmt::format("loaded in {:.2f} s, {} triangles", seconds_since(start), model->drawn_triangles()));
-
-  const Clock::time_point build_start = Clock::now();
-  Result<std::shared_ptr<const Scene>> scene = Scene::build(std::move(*model));
-  if (!scene) return fail_within(argument.scene, scene.error());
-  std::shared_ptr<MeasuredCellService> service = service_for_scene(argument.name, *scene, options);
-  log(fmt::format("ready in {:.2f} s, {} chunks, finest cells of {:g} m", seconds_since(build_start),
-                  (*scene)->statistics().chunks, service->scene().settings.finest_side_m));
+  Result<PreparedScene> prepared =
+      options.prepared ? options.prepared->open(argument.scene, options.load, log) : prepare_scene(argument.scene, options.load, log);
+  if (!prepared) return tl::unexpected(prepared.error());
+  std::shared_ptr<MeasuredCellService> service = service_for_scene(argument.name, *prepared, options);
+  log(fmt::format("finest cells of {:g} m", service->scene().settings.finest_side_m));
   return service;
 }
 

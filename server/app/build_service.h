@@ -6,8 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "server/model/load_model.h"
-#include "server/scene/scene.h"
+#include "server/app/prepared_scenes.h"
 #include "server/schedule/scheduled_cell_service.h"
 
 namespace farfield {
@@ -24,6 +23,7 @@ Result<SceneArgument> parse_scene_argument(const std::string& text);
 struct ServiceOptions {
   LoadOptions load;
   ImpostorSettings settings;
+  std::shared_ptr<PreparedScenes> prepared;  // may be null: every start loads and builds
   std::shared_ptr<TileStore> store;
   std::shared_ptr<JobPool> pool;
   std::shared_ptr<JobPool> prompt_pool;  // see CellServiceParts
@@ -32,11 +32,10 @@ struct ServiceOptions {
   std::function<void(const std::string&)> log;  // progress and warnings, one line each; may be empty
 };
 
-/// The service of a scene that is built already, with settings fitted to it.
-std::shared_ptr<MeasuredCellService> service_for_scene(const std::string& name, std::shared_ptr<const Scene> scene,
-                                                       const ServiceOptions& options);
+/// With settings fitted to the scene.
+std::shared_ptr<MeasuredCellService> service_for_scene(const std::string& name, const PreparedScene& prepared, const ServiceOptions& options);
 
-/// Loads and builds on the calling thread; seconds to minutes. Errors: as load_model() and Scene::build().
+/// Reads, or loads and builds, on the calling thread; up to minutes. Errors: as prepare_scene().
 Result<std::shared_ptr<MeasuredCellService>> build_service(const SceneArgument& argument, const ServiceOptions& options);
 
 }  // namespace farfield

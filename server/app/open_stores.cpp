@@ -13,7 +13,7 @@ namespace farfield {
 Result<OpenStores> open_stores(const StoreOptions& options, const std::function<void(const std::string&)>& log) {
   OpenStores stores;
   if (!options.folder.empty()) {
-    auto disk = open_disk_store({.folder = options.folder, .capacity_bytes = options.folder_bytes, .log = log});
+    auto disk = open_disk_store({.folder = options.folder, .capacity_bytes = options.folder_bytes - prepared_bytes(options), .log = log});
     if (!disk) return fail_within("--store", disk.error());
     stores.blobs = std::move(*disk);
   }

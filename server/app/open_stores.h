@@ -21,6 +21,12 @@ struct StoreOptions {
   std::chrono::seconds redis_expiry{7 * 24 * 3600};
 };
 
+/// A quarter of the folder is for prepared scenes, unless it is too small to hold any; the rest for cells.
+inline std::size_t prepared_bytes(const StoreOptions& options) {
+  constexpr std::size_t kLeastFolder = std::size_t{16} << 20;
+  return options.folder.empty() || options.folder_bytes < kLeastFolder ? 0 : options.folder_bytes / 4;
+}
+
 struct OpenStores {
   std::shared_ptr<BlobStore> blobs;        // null: no tier is wanted
   std::shared_ptr<GenerationLease> lease;  // null: nobody shares them

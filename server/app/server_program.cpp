@@ -61,9 +61,9 @@ Status check_addresses(const ServerProgramOptions& options) {
   return {};
 }
 
-void print_where(const ServerProgramOptions& options, const Server& server, const AdminServer* admin) {
+void print_where(const ServerProgramOptions& options, const Server& server, const AdminServer* admin, double ready_seconds) {
   if (options.is_json) {
-    nlohmann::json where{{"listening", to_string(server.endpoint())}};
+    nlohmann::json where{{"listening", to_string(server.endpoint())}, {"ready_s", ready_seconds}};
     if (admin) where["admin"] = to_string(admin->endpoint());
     std::cout << where.dump() << std::endl;
     return;
@@ -73,10 +73,11 @@ void print_where(const ServerProgramOptions& options, const Server& server, cons
 }
 
 Result<std::vector<std::shared_ptr<MeasuredCellService>>> build_services(const ServerProgramOptions& options,
-                                                                         EventLog& log) {
+                                                                         const std::shared_ptr<PreparedScenes>& prepared, EventLog& log) {
   ServiceOptions service_options;
   service_options.load = options.load;
   service_options.settings = options.settings;
+  service_options.prepared = prepared;
   service_options.store = std::make_shared<MemoryTileStore>(options.memory_bytes);
   service_options.pool = std::make_shared<JobPool>(options.threads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "cast", options.cast_nice);
   service_options.prompt_pool = std::make_shared<JobPool>(kPromptThreads, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt");
@@ -118,8 +119,10 @@ Status check_names(const std::vector<SceneArgument>& scenes) {
 Result<int> run_server(const ServerProgramOptions& options) {
   if (const Status unique = check_names(options.scenes); !unique) return tl::unexpected(unique.error());
   if (const Status free = check_addresses(options); !free) return tl::unexpected(free.error());
+  const auto start = std::chrono::steady_clock::now();
   EventLog log(options.is_json);
-  const auto services = build_services(options, log);
+  const auto prepared = prepared_bytes(options.stores) == 0 ? nullptr : std::make_shared<PreparedScenes>(options.stores.folder, prepared_bytes(options.stores));
+  const auto services = build_services(options, prepared, log);
   if (!services) return tl::unexpected(services.error());
 
   ServerOptions server_options;
@@ -137,7 +140,9 @@ Result<int> run_server(const ServerProgramOptions& options) {
     if (!started) return tl::unexpected(started.error());
     admin = std::move(*started);
   }
-  print_where(options, **server, admin.get());
+  const double ready_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  log.write(fmt::format("ready {:.2f} s after the start", ready_seconds));
+  print_where(options, **server, admin.get(), ready_seconds);
   if (!std::cout) log.write("warning: where it listens cannot be written to the output");
   const int signal = wait_for_signal(context, signals);
   log.write("stopping: clients are told to come back later");

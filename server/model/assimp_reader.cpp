@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/model/assimp_reader.h"
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -105,12 +106,31 @@ class SceneConverter {
   std::size_t loose_ = 0;
 };
 
+/// The files that Assimp itself opens or looks for: buffers of glTF, libraries of materials.
+class NotedFiles final : public Assimp::DefaultIOSystem {
+ public:
+  explicit NotedFiles(std::vector<std::string>& names) : names_(names) {}
+  bool Exists(const char* file) const override {
+    names_.emplace_back(file);
+    return DefaultIOSystem::Exists(file);
+  }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    names_.emplace_back(file);
+    return DefaultIOSystem::Open(file, mode);
+  }
+
+ private:
+  std::vector<std::string>& names_;
+};
+
 static_assert(sizeof(aiVector3D) == sizeof(glm::vec3), "Assimp is expected to be built with single precision");
 
 }  // namespace
 
 Result<Model> read_with_assimp(const std::filesystem::path& path, ModelFormat format) {
+  Model model;
   Assimp::Importer importer;
+  importer.SetIOHandler(new NotedFiles(model.sources));  // which the importer deletes
   const bool is_gltf = format == ModelFormat::kGlb || format == ModelFormat::kGltf;
   const unsigned steps = aiProcess_Triangulate | aiProcess_TransformUVCoords;
   const aiScene* scene = importer.ReadFile(path.string(), steps);
@@ -122,7 +142,6 @@ Result<Model> read_with_assimp(const std::filesystem::path& path, ModelFormat fo
     }
     return fail(ErrorCode::kBadData, "the {} importer says: {}", model_format_name(format), reason);
   }
-  Model model;
   model.name = path.stem().string();
   UvChannels uv_channels = add_assimp_materials(*scene, is_gltf, path.parent_path(), model);
   SceneConverter(*scene, is_gltf, std::move(uv_channels), model).convert();

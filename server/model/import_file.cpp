@@ -68,6 +68,7 @@ Result<Model> import_file(const std::filesystem::path& path) {
   if (!claims) return tl::unexpected(claims.error());
   Result<Model> model = read_by_format(path, *format);
   if (!model) return model;
+  model->sources.insert(model->sources.begin(), path.string());
   std::size_t stored = 0;
   for (const Mesh& mesh : model->meshes) stored += mesh.indices.size() / 3;
   if (claims->stored_triangles.value_or(0) > stored) {

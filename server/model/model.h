@@ -53,6 +53,9 @@ struct Model {
   std::vector<Mesh> meshes;
   std::vector<MeshInstance> instances;
   std::vector<std::string> warnings;  // what was dropped or assumed at import, one line each
+  // Files that were read, and names at which none was found, in the order they were asked for, perhaps repeatedly. While none of them
+  // changes, nor appears, the same arguments give the same model. Empty for a generated one.
+  std::vector<std::string> sources;
 
   /// Triangles drawn: every instance counted.
   std::size_t drawn_triangles() const;

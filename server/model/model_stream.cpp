@@ -6,101 +6,40 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <functional>
 
+#include "common/base/memory_image.h"
 #include "server/model/texture_file.h"
 
 namespace farfield {
 namespace {
 
-constexpr std::uint64_t kMagic = 0x314c45444f4d4646ull;  // "FFMODEL1"
+constexpr std::uint64_t kMagic = 0x324c45444f4d4646ull;  // "FFMODEL2"
 
-class StreamWriter {
+/// Writes to an open file from its current place; after a failure nothing more.
+class DescriptorSink {
  public:
-  explicit StreamWriter(int file_descriptor) : file_descriptor_(file_descriptor) { buffer_.reserve(kBufferBytes); }
+  explicit DescriptorSink(int file_descriptor) : file_descriptor_(file_descriptor) {}
 
-  template <class T>
-  void put(T value) {
-    put_raw(&value, sizeof(T));
-  }
-  template <class T>
-  void put_array(const std::vector<T>& values) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    put<std::uint64_t>(values.size());
-    put_raw(values.data(), values.size() * sizeof(T));
-  }
-  void put_text(const std::string& text) {
-    put<std::uint64_t>(text.size());
-    put_raw(text.data(), text.size());
-  }
-  bool flush() {
-    write_out(buffer_.data(), buffer_.size());
-    buffer_.clear();
-    return error_ == 0;
-  }
-  int error() const { return error_; }
-
- private:
-  static constexpr std::size_t kBufferBytes = 1 << 20;
-
-  void put_raw(const void* data, std::size_t size) {
-    if (buffer_.size() + size > kBufferBytes) flush();
-    const auto* bytes = static_cast<const std::uint8_t*>(data);
-    if (size >= kBufferBytes) return write_out(bytes, size);
-    buffer_.insert(buffer_.end(), bytes, bytes + size);
-  }
-  void write_out(const std::uint8_t* data, std::size_t size) {
-    while (size > 0 && error_ == 0) {
-      const ssize_t written = ::write(file_descriptor_, data, size);
+  void operator()(ByteView bytes) {
+    while (!bytes.empty() && error_ == 0) {
+      const ssize_t written = ::write(file_descriptor_, bytes.data(), bytes.size());
       if (written < 0 && errno == EINTR) continue;
       if (written <= 0) {
         error_ = written < 0 ? errno : EIO;
         return;
       }
-      data += written, size -= static_cast<std::size_t>(written);
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
     }
   }
-
-  int file_descriptor_;
-  int error_ = 0;
-  Bytes buffer_;
-};
-
-class StreamReader {
- public:
-  explicit StreamReader(ByteView bytes) : bytes_(bytes) {}
-
-  template <class T>
-  T get() {
-    return bytes_.get<T>();
-  }
-  /// A list's length, refused if the rest could not hold so many entries of at least `entry_bytes`.
-  std::size_t get_count(std::size_t entry_bytes) {
-    const auto count = bytes_.get<std::uint64_t>();
-    if (count <= bytes_.remaining() / entry_bytes) return static_cast<std::size_t>(count);
-    is_valid_ = false;
-    return 0;
-  }
-  template <class T>
-  std::vector<T> get_array() {
-    std::vector<T> values(get_count(sizeof(T)));
-    const ByteView view = bytes_.get_bytes(values.size() * sizeof(T));
-    if (!view.empty()) std::memcpy(values.data(), view.data(), view.size());
-    return values;
-  }
-  std::string get_text() {
-    const ByteView view = bytes_.get_bytes(get_count(1));
-    return {reinterpret_cast<const char*>(view.data()), view.size()};
-  }
-  void require(bool condition) { is_valid_ = is_valid_ && condition; }
-  bool is_valid() const { return is_valid_ && bytes_.ok(); }
-  bool is_at_end() const { return bytes_.remaining() == 0; }
+  int error() const { return error_; }
 
  private:
-  ByteReader bytes_;
-  bool is_valid_ = true;
+  int file_descriptor_;
+  int error_ = 0;
 };
 
-TextureImage read_texture(StreamReader& in) {
+TextureImage read_texture(MemoryImageReader& in) {
   TextureImage texture;
   texture.name = in.get_text();
   texture.width = in.get<std::int32_t>();
@@ -114,7 +53,7 @@ TextureImage read_texture(StreamReader& in) {
   return texture;
 }
 
-Material read_material(StreamReader& in, std::size_t textures) {
+Material read_material(MemoryImageReader& in, std::size_t textures) {
   Material material;
   material.name = in.get_text();
   material.base_colour = in.get<glm::u8vec4>();
@@ -126,7 +65,7 @@ Material read_material(StreamReader& in, std::size_t textures) {
   return material;
 }
 
-Mesh read_mesh(StreamReader& in, std::size_t materials) {
+Mesh read_mesh(MemoryImageReader& in, std::size_t materials) {
   Mesh mesh;
   mesh.name = in.get_text();
   mesh.material = in.get<std::int32_t>();
@@ -147,11 +86,12 @@ Mesh read_mesh(StreamReader& in, std::size_t materials) {
 }  // namespace
 
 Status write_model_stream(const Model& model, int file_descriptor) {
-  StreamWriter out(file_descriptor);
+  DescriptorSink sink(file_descriptor);
+  MemoryImageWriter out(std::ref(sink));
   out.put(kMagic);
   out.put_text(model.name);
-  out.put<std::uint64_t>(model.warnings.size());
-  for (const std::string& warning : model.warnings) out.put_text(warning);
+  out.put_texts(model.warnings);
+  out.put_texts(model.sources);
   out.put<std::uint64_t>(model.textures.size());
   for (const TextureImage& texture : model.textures) {
     out.put_text(texture.name);
@@ -182,19 +122,20 @@ Status write_model_stream(const Model& model, int file_descriptor) {
     out.put<std::int32_t>(instance.mesh);
     out.put(instance.world_from_mesh);
   }
-  if (!out.flush()) return fail(ErrorCode::kIo, "the model cannot be handed over: {}", std::strerror(out.error()));
+  out.flush();
+  if (sink.error() != 0) return fail(ErrorCode::kIo, "the model cannot be handed over: {}", std::strerror(sink.error()));
   return {};
 }
 
 Result<Model> read_model_stream(ByteView bytes) {
   // Smallest encoded entry of each list: what a count is checked against.
-  constexpr std::size_t kText = 8, kTexture = 24, kMaterial = 21, kMesh = 52, kInstance = 4 + sizeof(glm::dmat4);
-  StreamReader in(bytes);
+  constexpr std::size_t kTexture = 24, kMaterial = 21, kMesh = 52, kInstance = 4 + sizeof(glm::dmat4);
+  MemoryImageReader in(bytes);
   in.require(in.get<std::uint64_t>() == kMagic);
   Model model;
   model.name = in.get_text();
-  for (std::size_t left = in.get_count(kText); left > 0 && in.is_valid(); --left)
-    model.warnings.push_back(in.get_text());
+  model.warnings = in.get_texts();
+  model.sources = in.get_texts();
   for (std::size_t left = in.get_count(kTexture); left > 0 && in.is_valid(); --left) {
     model.textures.push_back(read_texture(in));
   }

@@ -2,7 +2,7 @@
 // The compact binary form in which the import process hands a model to its parent. Private to one build of Farfield:
 // both ends are the same version on the same machine, so numbers are memory images and there is no migration.
 //
-// Layout, little-endian: "FFMODEL1"; name; warnings; textures; materials; meshes; instances. A list is a u64 count and
+// Layout, little-endian: "FFMODEL2"; name; warnings; sources; textures; materials; meshes; instances. A list is a u64 count and
 // its entries; a text or an array is a u64 count and its bytes or elements.
 #pragma once
 

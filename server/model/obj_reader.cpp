@@ -210,7 +210,9 @@ class ObjReader {
   }
 
   void material_library(const std::string& name) {
-    const Result<Bytes> bytes = read_file_bytes(path_.parent_path() / name);
+    const std::filesystem::path library = path_.parent_path() / name;
+    model_.sources.push_back(library.string());
+    const Result<Bytes> bytes = read_file_bytes(library);
     if (!bytes) {
       model_.warnings.push_back(fmt::format("material library {}: not readable beside the model", name));
       return;

@@ -66,6 +66,7 @@ std::filesystem::path TextureCache::find(const std::string& name) const {
   for (const std::string& variant : {name, cleaned, without_percent_codes(cleaned)}) {
     const std::filesystem::path path(variant);
     for (const std::filesystem::path& candidate : {folder_ / path, folder_ / path.filename()}) {
+      model_.sources.push_back(candidate.string());
       if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
     }
   }

@@ -33,16 +33,16 @@ std::span<const ScenePart> Scene::parts() const {
 }
 
 void Scene::intersect(const RayPacket& rays, HitPacket& hits) const {
-  state_->rays.intersect(rays, hits, true);
+  state_->rays.get().intersect(rays, hits, true);
 }
 void Scene::intersect_scattered(const RayPacket& rays, HitPacket& hits) const {
-  state_->rays.intersect(rays, hits, false);
+  state_->rays.get().intersect(rays, hits, false);
 }
 std::uint32_t Scene::occluded(const RayPacket& rays) const {
-  return state_->rays.occluded(rays);
+  return state_->rays.get().occluded(rays);
 }
 std::uint32_t Scene::occluded_coherent(const RayPacket& rays) const {
-  return state_->rays.occluded_coherent(rays);
+  return state_->rays.get().occluded_coherent(rays);
 }
 
 std::span<const SceneChunk> Scene::chunks() const {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/memory_image.h"
 #include "common/base/result.h"
 #include "common/geometry/chunk.h"
 #include "common/math/box.h"
@@ -54,6 +55,11 @@ class Scene {
   /// what the client draws. Triangles without area on that grid, or with non-finite vertices, are left out.
   /// Errors: kBadData (an index or array size of the model that does not fit, or nothing to draw).
   static Result<std::shared_ptr<const Scene>> build(Model model);
+  /// Everything but the ray-tracing structure, as it is in memory: for restore() in the same build of Farfield.
+  void write(MemoryImageWriter& out) const;
+  /// Takes a written scene back, bit for bit; the ray-tracing structure is built meanwhile, and queries of rays wait for it (and throw
+  /// std::runtime_error if it cannot be built). O(bytes). Any bytes are safe. Errors: kBadData.
+  static Result<std::shared_ptr<const Scene>> restore(MemoryImageReader& in);
   ~Scene();
 
   const std::string& name() const;

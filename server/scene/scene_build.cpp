@@ -33,6 +33,29 @@ struct Hasher {
 
 }  // namespace
 
+void Scene::State::derive() {
+  for (std::uint32_t i = 0; i < textures.size(); ++i) {
+    texture_infos.push_back({textures.hash(i), textures.width(i), textures.height(i), textures.level_count(i)});
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const glm::mat4x3& placement = parts[i].scene_from_mesh;
+    const glm::mat3 m(placement);
+    light_from_mesh.push_back(glm::mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])));
+    if (placement == glm::mat4x3(1) && flattened_parts == i) ++flattened_parts;
+    statistics.drawn_triangles += meshes[parts[i].mesh].triangle_count();
+  }
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    mesh_of_stored_chunk.insert(mesh_of_stored_chunk.end(), meshes[m].chunks.size(), static_cast<std::uint32_t>(m));
+    statistics.stored_triangles += meshes[m].triangle_count();
+  }
+  std::vector<Box> boxes;
+  for (const SceneChunk& chunk : placed.chunks) boxes.push_back(chunk.bounds), bounds.include(chunk.bounds);
+  index = ChunkIndex(boxes);
+  statistics.parts = parts.size();
+  statistics.chunks = placed.chunks.size();
+  statistics.textures = textures.size();
+}
+
 Result<std::shared_ptr<const Scene>> Scene::build(Model model) {
   const auto start = std::chrono::steady_clock::now();
   Result<ScenePlan> plan = plan_scene(model);
@@ -46,10 +69,8 @@ Result<std::shared_ptr<const Scene>> Scene::build(Model model) {
 
   const std::vector<MipOptions> options = mip_options(model);
   for (std::size_t i = 0; i < model.textures.size(); ++i) {
-    const std::uint32_t texture = state.textures.add(model.textures[i], options[i]);
+    state.textures.add(model.textures[i], options[i]);
     std::vector<std::uint8_t>().swap(model.textures[i].rgba);  // the chain replaces it
-    state.texture_infos.push_back({state.textures.hash(texture), state.textures.width(texture),
-                                   state.textures.height(texture), state.textures.level_count(texture)});
   }
 
   for (const StoredMeshPlan& mesh_plan : plan->meshes) {
@@ -59,51 +80,36 @@ Result<std::shared_ptr<const Scene>> Scene::build(Model model) {
     if (!mesh) return fail_within(state.name, std::move(mesh).error());
     state.meshes.push_back(std::move(*mesh));
   }
-  for (const PartPlan& part : plan->parts) {
-    state.parts.push_back({part.mesh, part.scene_from_mesh, {}});
-    const glm::mat3 m(part.scene_from_mesh);
-    state.light_from_mesh.push_back(glm::mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])));
-    if (part.scene_from_mesh == glm::mat4x3(1) && state.flattened_parts + 1 == state.parts.size())
-      ++state.flattened_parts;
-  }
+  for (const PartPlan& part : plan->parts) state.parts.push_back({part.mesh, part.scene_from_mesh, {}});
   state.statistics.materials = model.materials.size();
   // The plan points into the model; neither is needed any longer, and Embree is about to need the memory.
   plan->meshes.clear();
   model = Model{};
 
   state.placed = place_chunks(state.meshes, state.parts);
-  std::vector<Box> boxes;
-  for (const SceneChunk& chunk : state.placed.chunks) boxes.push_back(chunk.bounds);
-  state.index = ChunkIndex(boxes);
-  for (const Box& box : boxes) state.bounds.include(box);
+  state.derive();
   if (state.bounds.is_empty())
     return fail(ErrorCode::kBadData, "{}: no triangle of the model has area; check its units and import warnings",
                 state.name);
 
   Result<RayScene> rays = RayScene::build(state.meshes, state.parts, state.flattened_parts, state.textures);
   if (!rays) return fail_within(state.name, std::move(rays).error());
-  state.rays = std::move(*rays);
+  state.rays.set(std::move(*rays));
 
   Hasher hasher;
-  for (std::size_t m = 0; m < state.meshes.size(); ++m) {
-    for (const StoredChunk& chunk : state.meshes[m].chunks) {
+  for (const StoredMesh& mesh : state.meshes) {
+    for (const StoredChunk& chunk : mesh.chunks) {
       hasher.add(chunk.hash);
       hasher.add(chunk.origin);
-      state.mesh_of_stored_chunk.push_back(static_cast<std::uint32_t>(m));
     }
-    state.statistics.stored_triangles += state.meshes[m].triangle_count();
   }
   for (const ScenePart& part : state.parts) {
     hasher.add(part.mesh);
     hasher.add(part.scene_from_mesh);
-    state.statistics.drawn_triangles += state.meshes[part.mesh].triangle_count();
   }
   for (const TextureInfo& texture : state.texture_infos) hasher.add(texture.hash);
   hasher.add(state.background);
   state.hash = hasher.hash;
-  state.statistics.parts = state.parts.size();
-  state.statistics.chunks = state.placed.chunks.size();
-  state.statistics.textures = state.texture_infos.size();
   state.statistics.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return scene;
 }

@@ -8,7 +8,7 @@
 #include "server/scene/chunk_index.h"
 #include "server/scene/chunk_placement.h"
 #include "server/scene/encoded_cache.h"
-#include "server/scene/ray_scene.h"
+#include "server/scene/pending_rays.h"
 #include "server/scene/scene.h"
 #include "server/scene/stored_mesh.h"
 #include "server/scene/texture_set.h"
@@ -35,7 +35,10 @@ struct Scene::State {
   ChunkIndex index;
   std::vector<std::uint32_t> mesh_of_stored_chunk;
   mutable EncodedCache encoded{kEncodedCacheBytes};
-  RayScene rays;  // last: destroyed before what it points to
+  PendingRays rays;  // last: destroyed before what it points to
+
+  /// Everything that follows from meshes, parts, textures and placed chunks alone, but for rays and the hash.
+  void derive();
 
   ContentHash texture_hash(const StoredMesh& mesh) const {
     return mesh.surface.texture < 0 ? 0 : textures.hash(static_cast<std::uint32_t>(mesh.surface.texture));

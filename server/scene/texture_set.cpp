@@ -152,6 +152,41 @@ std::uint32_t TextureSet::add(const TextureImage& image, const MipOptions& optio
   return static_cast<std::uint32_t>(textures_.size() - 1);
 }
 
+void TextureSet::write(MemoryImageWriter& out) const {
+  out.put<std::uint64_t>(textures_.size());
+  for (const Texture& texture : textures_) {
+    out.put(texture.hash);
+    out.put<std::uint64_t>(texture.levels.size());
+    for (const Level& level : texture.levels) {
+      out.put<std::int32_t>(level.width);
+      out.put<std::int32_t>(level.height);
+      out.put_array(level.texels);
+    }
+  }
+}
+
+void TextureSet::read(MemoryImageReader& in) {
+  constexpr std::size_t kLeastTexture = 16, kLeastLevel = 16;
+  textures_.clear();
+  for (std::size_t left = in.get_count(kLeastTexture); left > 0 && in.is_valid(); --left) {
+    Texture texture;
+    texture.hash = in.get<ContentHash>();
+    for (std::size_t levels = in.get_count(kLeastLevel); levels > 0 && in.is_valid(); --levels) {
+      Level level;
+      level.width = in.get<std::int32_t>();
+      level.height = in.get<std::int32_t>();
+      level.texels = in.get_array<Texel>();
+      in.require(level.width > 0 && level.height > 0 && level.width <= kMaxTextureEdge && level.height <= kMaxTextureEdge);
+      in.require(level.texels.size() == static_cast<std::uint64_t>(level.width) * static_cast<std::uint64_t>(level.height));
+      texture.levels.push_back(std::move(level));
+    }
+    in.require(!texture.levels.empty());
+    if (!in.is_valid()) return;
+    texture.texel_count = static_cast<float>(texture.levels.front().texels.size());
+    textures_.push_back(std::move(texture));
+  }
+}
+
 glm::vec3 TextureSet::sample(std::uint32_t texture, const glm::vec2& uv, float mip) const {
   const std::vector<Level>& levels = textures_[texture].levels;
   const std::size_t last = levels.size() - 1;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/base/hash.h"
+#include "common/base/memory_image.h"
 #include "common/geometry/chunk.h"
 #include "server/scene/mip_chain.h"
 
@@ -22,6 +23,11 @@ class TextureSet {
   TextureSet();
   /// Cost: about 20 ns per texel. Returns the texture's index.
   std::uint32_t add(const TextureImage& image, const MipOptions& options);
+
+  /// All of it, as it is in memory.
+  void write(MemoryImageWriter& out) const;
+  /// Replaces what is here. Any bytes are safe; sizes that do not fit leave `in` invalid.
+  void read(MemoryImageReader& in);
 
   std::size_t size() const { return textures_.size(); }
   ContentHash hash(std::uint32_t texture) const { return textures_[texture].hash; }

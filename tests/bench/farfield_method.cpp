@@ -51,7 +51,7 @@ Result<std::unique_ptr<Serving>> serve(const World& world, const ImpostorSetting
   options.store = serving->store, options.pool = serving->pool;
   // As in farfield-server; what it does takes microseconds and need not be paused while frames are drawn.
   options.prompt_pool = std::make_shared<JobPool>(2, JobPool::kDefaultQueueCapacity, steady_clock_seconds(), "prompt");
-  serving->service = service_for_scene("bench", world.scene, options);
+  serving->service = service_for_scene("bench", prepared(world.scene), options);
   ServerOptions server_options;
   server_options.listen = {"127.0.0.1", 0};
   auto server = Server::start(server_options, {serving->service});

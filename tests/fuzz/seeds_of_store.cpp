@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "server/scene/scene.h"
 #include "server/store/blob_records.h"
 #include "tests/fuzz/seeds.h"
 
@@ -31,6 +32,23 @@ void add_store_seeds(Seeds& seeds) {
   seeds.push_back({"stored_record", "divided_plan", chosen(1, write_plan_record(plan))});
 
   seeds.push_back({"stored_record", "leaf_name", chosen(2, write_leaf_name_record({plan.leaf, true}))});
+
+  Model model;
+  model.name = "square";
+  model.textures.push_back({2, 1, {255, 0, 0, 255, 0, 255, 0, 100}, "two"});
+  model.materials = {{.name = "plain"}, {.name = "leaf", .texture = 0, .is_alpha_masked = true}};
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  model.meshes = {mesh, mesh};
+  model.meshes[1].material = 1;
+  model.instances = {{0, glm::dmat4(1)}, {1, glm::dmat4(2)}};
+  Bytes image;
+  MemoryImageWriter out([&image](ByteView block) { image.assign(block.begin(), block.end()); });
+  Scene::build(std::move(model)).value()->write(out);
+  out.flush();
+  seeds.push_back({"scene_image", "square", std::move(image)});
 }
 
 }  // namespace farfield::fuzz
