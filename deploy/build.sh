@@ -8,5 +8,5 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=${1:-$root/build/release}
 
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release
-cmake --build "$build" --target farfield-server farfield-client farfield-scene farfield-trace farfield-import farfield-bench
+cmake --build "$build" --target farfield-server farfield-client farfield-scene farfield-trace farfield-import farfield-bench farfield-load farfield-bake
 echo "programs are in $build/bin"

@@ -5,10 +5,10 @@
 
 #include "common/base/command_line.h"
 #include "common/base/byte_size.h"
-#include "common/base/duration.h"
 #include "server/app/load_arguments.h"
 #include "server/app/quality_arguments.h"
 #include "server/app/server_program.h"
+#include "server/app/store_arguments.h"
 
 namespace farfield {
 namespace {
@@ -28,7 +28,8 @@ Exit codes: 0 told to stop, 1 failed, 2 wrong usage, 130 interrupted.)";
 
 struct RawOptions {
   std::vector<std::string> scenes;
-  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB", store_bytes = "16GiB", redis, redis_expiry = "7d";
+  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB";
+  StoreArguments stores;
   LoadArguments load;
   bool shows_version = false;
 };
@@ -40,10 +41,7 @@ void add_options(CLI::App& app, RawOptions& raw, ServerProgramOptions& options) 
   app.add_option("--listen", raw.listen, "HOST:PORT for clients; port 0 takes any free one and prints it")->capture_default_str();
   app.add_option("--admin", raw.admin, "HOST:PORT for /metrics, /healthz and /readyz (default: off)");
   app.add_option("--memory", raw.memory, "Bound of the encoded tiles kept in memory")->capture_default_str();
-  app.add_option("--store", options.stores.folder, "Folder where tiles and plans are kept for the next start (default: none)");
-  app.add_option("--store-bytes", raw.store_bytes, "Bound of that folder's contents; least recently used go first")->capture_default_str();
-  app.add_option("--redis", raw.redis, "Redis server that several servers share tiles and plans through, HOST:PORT or unix:PATH (default: none)");
-  app.add_option("--redis-expiry", raw.redis_expiry, "How long it keeps them, as 12h or 7d")->capture_default_str();
+  raw.stores.add_to(app);
   app.add_option("--threads", options.threads, "Threads that make tiles (default: one per processor)")->check(whole_number_between(1, 1024));
   app.add_option("--cast-nice", options.cast_nice, "How much these threads give way to those that serve: 10 on a machine of the server's own")
       ->check(whole_number_between(0, 19))
@@ -71,17 +69,9 @@ Status fill(const RawOptions& raw, ServerProgramOptions& options) {
   const Result<std::size_t> memory = parse_byte_size(raw.memory);
   if (!memory) return fail_within("--memory", memory.error());
   options.memory_bytes = *memory;
-  const Result<std::size_t> store_bytes = parse_byte_size(raw.store_bytes);
-  if (!store_bytes) return fail_within("--store-bytes", store_bytes.error());
-  options.stores.folder_bytes = *store_bytes;
-  if (!raw.redis.empty()) {
-    Result<RedisAddress> redis = parse_redis_address(raw.redis);
-    if (!redis) return fail_within("--redis", redis.error());
-    options.stores.redis = std::move(*redis);
-  }
-  const Result<std::chrono::seconds> expiry = parse_duration(raw.redis_expiry);
-  if (!expiry) return fail_within("--redis-expiry", expiry.error());
-  options.stores.redis_expiry = *expiry;
+  Result<StoreOptions> stores = raw.stores.options();
+  if (!stores) return tl::unexpected(stores.error());
+  options.stores = std::move(*stores);
   options.load = raw.load.options();
   ImpostorSettings& settings = options.settings;
   if (settings.face_tiles == 0) settings.face_tiles = face_tiles_for(settings.display, settings.kappa);

@@ -355,7 +355,8 @@ class ScheduledCellService final : public MeasuredCellService {
     if (SharedPlan known = plan_cache_.peek(leaf)) return known;
     const HeldTurn turn = take_turn(blob_key(BlobKind::kPlan, {.cell = leaf}), insists);
     if (turn.turn() == Turn::kTheirs) return SharedPlan();
-    if (turn.turn() == Turn::kMade) {
+    // Plans are kept by leaf, and looked for by finest cell: a leaf may be stored and none of its cells that was asked for so far.
+    if (parts_.blobs) {
       if (SharedPlan found = find_plan(leaf)) return found;
     }
     Result<SharedPlan> made = parts_.leaves->plan(leaf, cancel);

@@ -320,6 +320,14 @@ TEST_F(StoredServiceTest, ARestartedServiceMakesNothingAgain) {
   EXPECT_EQ(leaves->plans, 1);
 }
 
+TEST_F(StoredServiceTest, AStoredPlanIsFoundFromACellOfItsLeafThatNobodyAskedFromBefore) {
+  restart();
+  ASSERT_TRUE(plan_now({0.5, 0.5, 0.5}));
+  restart();
+  ASSERT_TRUE(plan_now({0.5, 0.5, -0.5}));
+  EXPECT_EQ(leaves->plans, 1);
+}
+
 TEST_F(StoredServiceTest, WhatWasFetchedIsInMemoryAfterwards) {
   restart();
   tile_now(7), restart(), tile_now(7);
