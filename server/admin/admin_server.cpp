@@ -67,7 +67,10 @@ std::string admin_response(std::string_view request, const AdminPages& pages) {
   if (target == "/metrics") return response("200 OK", "text/plain; version=0.0.4; charset=utf-8", pages.metrics());
   if (target == "/healthz") return response("200 OK", kPlain, "ok\n");
   if (target == "/readyz") {
-    return pages.is_ready() ? response("200 OK", kPlain, "ready\n") : response("503 Service Unavailable", kPlain, "draining\n");
+    // Not 503: a balancer would take the server for dead and part it from the viewers it has. 404 is what HAProxy's disable-on-404 takes
+    // for "no more, please".
+    const std::string reason = pages.why_not_ready();
+    return reason.empty() ? response("200 OK", kPlain, "ready\n") : response("404 Not Found", kPlain, reason + "\n");
   }
   return response("404 Not Found", kPlain, "there are /metrics, /healthz and /readyz\n");
 }

@@ -16,7 +16,7 @@ namespace farfield {
 /// Called on the admin thread.
 struct AdminPages {
   std::function<std::string()> metrics;  // Prometheus text
-  std::function<bool()> is_ready;        // takes new viewers
+  std::function<std::string()> why_not_ready;  // empty: takes new viewers
 };
 
 class AdminServer {

@@ -6,8 +6,8 @@
 
 namespace farfield {
 
-std::vector<BakePlace> places_along(std::span<const Trace> traces, const glm::dvec3& world_origin, const CellGrid& grid) {
-  std::vector<BakePlace> places;
+std::vector<glm::dvec3> places_along(std::span<const Trace> traces, const glm::dvec3& world_origin, const CellGrid& grid) {
+  std::vector<glm::dvec3> places;
   std::unordered_set<CellId> seen;
   for (const Trace& trace : traces) {
     for (std::size_t i = 0; i < trace.frames.size(); ++i) {
@@ -16,8 +16,7 @@ std::vector<BakePlace> places_along(std::span<const Trace> traces, const glm::dv
       const int steps = static_cast<int>(std::ceil(4 * glm::length(to - from) / grid.finest_side_m)) + 1;
       for (int step = 1; step <= steps; ++step) {
         const glm::dvec3 viewpoint = glm::mix(from, to, static_cast<double>(step) / steps);
-        const bool is_first = i == 0 && step == 1;
-        if (seen.insert(grid.cell_at(viewpoint, 0)).second || is_first) places.push_back({viewpoint, is_first});
+        if (seen.insert(grid.cell_at(viewpoint, 0)).second) places.push_back(viewpoint);
       }
     }
   }
@@ -31,12 +30,12 @@ PlacesInBox::PlacesInBox(const Box& box, const CellGrid& grid) : grid_(grid), fi
   count_[2] = static_cast<std::uint64_t>(last.z - first_.z + 1);
 }
 
-BakePlace PlacesInBox::place(std::uint64_t index) const {
+glm::dvec3 PlacesInBox::place(std::uint64_t index) const {
   CellId cell = first_;
   cell.x += static_cast<std::int32_t>(index % count_[0]);
   cell.z += static_cast<std::int32_t>(index / count_[0] % count_[2]);
   cell.y += static_cast<std::int32_t>(index / count_[0] / count_[2]);
-  return {grid_.box(cell).center(), false};
+  return grid_.box(cell).center();
 }
 
 }  // namespace farfield

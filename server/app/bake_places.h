@@ -12,15 +12,9 @@
 
 namespace farfield {
 
-/// Where a viewer may be. Scene frame, metres.
-struct BakePlace {
-  glm::dvec3 viewpoint{0};
-  bool is_way_in = false;  // viewers begin here: the fallback view is worth having
-};
-
-/// One viewpoint in each finest cell that the paths touch, in their order. Between frames paths are straight, and sampled at a quarter of
+/// One viewpoint (scene frame, metres) in each finest cell that the paths touch, in their order. Between frames paths are straight, and sampled at a quarter of
 /// a finest side, so that no more than a corner is missed. O(length / side).
-std::vector<BakePlace> places_along(std::span<const Trace> traces, const glm::dvec3& world_origin, const CellGrid& grid);
+std::vector<glm::dvec3> places_along(std::span<const Trace> traces, const glm::dvec3& world_origin, const CellGrid& grid);
 
 /// The finest cells that meet a box, their middles, in the order of a sweep from below: counted, not listed, for there may be millions.
 class PlacesInBox {
@@ -29,7 +23,7 @@ class PlacesInBox {
   PlacesInBox(const Box& box, const CellGrid& grid);
   std::uint64_t count() const { return count_[0] * count_[1] * count_[2]; }
   /// Requires: index < count().
-  BakePlace place(std::uint64_t index) const;
+  glm::dvec3 place(std::uint64_t index) const;
 
  private:
   CellGrid grid_;

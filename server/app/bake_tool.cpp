@@ -103,7 +103,7 @@ std::string as_text(const BakeProgress& p, bool is_complete) {
 Result<BakeWork> work_for(const BakeOptions& options, const std::vector<Trace>& traces, const SceneDescription& scene) {
   const CellGrid grid{scene.settings.finest_side_m};
   if (!options.region) {
-    auto places = std::make_shared<std::vector<BakePlace>>(places_along(traces, scene.world_origin, grid));
+    auto places = std::make_shared<std::vector<glm::dvec3>>(places_along(traces, scene.world_origin, grid));
     return BakeWork{places->size(), [places](std::uint64_t index) { return (*places)[index]; }, false};
   }
   Box box{options.region->min - scene.world_origin, options.region->max - scene.world_origin};

@@ -72,12 +72,13 @@ class Baker {
   }
 
  private:
-  void bake_at(const BakePlace& place) {
-    if (place.is_way_in) bake_fallback(place.viewpoint);
+  void bake_at(const glm::dvec3& viewpoint) {
+    // Whoever comes back after a cut, or walks faster than cells arrive, begins anywhere.
+    if (!work_.is_survey) bake_fallback(viewpoint);
     // On a path every finest cell is asked for, so that its leaf's name is stored too.
-    if (work_.is_survey && is_known(place.viewpoint)) return;
+    if (work_.is_survey && is_known(viewpoint)) return;
     Reply<SharedPlan> reply;
-    const Ticket ticket = service_.leaf(place.viewpoint, {0, 1, work_.is_survey}, reply.receiver());
+    const Ticket ticket = service_.leaf(viewpoint, {0, 1, work_.is_survey}, reply.receiver());
     const Result<SharedPlan> whole = reply.wait(is_stopped_);
     if (!whole) {
       if (work_.is_survey && whole.error().code == ErrorCode::kNotFound) {
@@ -88,7 +89,7 @@ class Baker {
       }
       return;
     }
-    const SharedPlan plan = work_.is_survey ? *whole : plan_at(*whole, grid_, place.viewpoint);
+    const SharedPlan plan = work_.is_survey ? *whole : plan_at(*whole, grid_, viewpoint);
     {
       const std::lock_guard lock(mutex_);
       std::vector<EnclosureMask>& enclosures = baked_[plan->leaf];
@@ -96,6 +97,7 @@ class Baker {
       enclosures.push_back(plan->enclosure);
       progress_.leaves += enclosures.size() == 1;
     }
+    if (work_.is_survey) bake_fallback(viewpoint);
     bake_tiles(*plan);
   }
 

@@ -36,7 +36,7 @@ struct BakeProgress {
 /// Where to bake: `place(i)` for i < `count`. May be called from several threads.
 struct BakeWork {
   std::uint64_t count = 0;
-  std::function<BakePlace(std::uint64_t)> place;
+  std::function<glm::dvec3(std::uint64_t)> place;  // scene frame
   /// False: every place is somewhere a viewer was or will be. True: most are air or wall, and walls are left out.
   bool is_survey = false;
 };

@@ -5,6 +5,7 @@
 
 #include "common/base/command_line.h"
 #include "common/base/byte_size.h"
+#include "common/base/duration.h"
 #include "server/app/load_arguments.h"
 #include "server/app/quality_arguments.h"
 #include "server/app/server_program.h"
@@ -28,7 +29,7 @@ Exit codes: 0 told to stop, 1 failed, 2 wrong usage, 130 interrupted.)";
 
 struct RawOptions {
   std::vector<std::string> scenes;
-  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB";
+  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB", drain_accept = "5s";
   StoreArguments stores;
   LoadArguments load;
   bool shows_version = false;
@@ -40,6 +41,10 @@ void add_options(CLI::App& app, RawOptions& raw, ServerProgramOptions& options) 
       ->allow_extra_args(false);
   app.add_option("--listen", raw.listen, "HOST:PORT for clients; port 0 takes any free one and prints it")->capture_default_str();
   app.add_option("--admin", raw.admin, "HOST:PORT for /metrics, /healthz and /readyz (default: off)");
+  app.add_option("--sessions", options.sessions, "Viewers at a time; more are told when to come back")
+      ->check(whole_number_between(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--drain-accept", raw.drain_accept, "How long a server with --admin still takes viewers after SIGTERM, while /readyz says no")->capture_default_str();
   app.add_option("--memory", raw.memory, "Bound of the encoded tiles kept in memory")->capture_default_str();
   raw.stores.add_to(app);
   app.add_option("--threads", options.threads, "Threads that make tiles (default: one per processor)")->check(whole_number_between(1, 1024));
@@ -72,6 +77,9 @@ Status fill(const RawOptions& raw, ServerProgramOptions& options) {
   Result<StoreOptions> stores = raw.stores.options();
   if (!stores) return tl::unexpected(stores.error());
   options.stores = std::move(*stores);
+  const Result<std::chrono::seconds> drain_accept = parse_duration(raw.drain_accept);
+  if (!drain_accept) return fail_within("--drain-accept", drain_accept.error());
+  options.drain_accept = *drain_accept;
   options.load = raw.load.options();
   ImpostorSettings& settings = options.settings;
   if (settings.face_tiles == 0) settings.face_tiles = face_tiles_for(settings.display, settings.kappa);

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <unordered_set>
 
 #include "common/net/connect.h"
@@ -127,6 +128,7 @@ Result<int> run_server(const ServerProgramOptions& options) {
 
   ServerOptions server_options;
   server_options.listen = options.listen;
+  server_options.limits.sessions = options.sessions;
   if (options.is_verbose) server_options.log = [&log](const std::string& line) { log.write(line); };
   asio::io_context context{1};
   asio::signal_set signals(context, SIGINT, SIGTERM);
@@ -135,7 +137,7 @@ Result<int> run_server(const ServerProgramOptions& options) {
 
   std::unique_ptr<AdminServer> admin;
   if (options.admin) {
-    AdminPages pages{[&] { return metrics_page(**server, *services); }, [&] { return !(*server)->is_draining(); }};
+    AdminPages pages{[&] { return metrics_page(**server, *services); }, [&] { return (*server)->why_not_ready(); }};
     Result<std::unique_ptr<AdminServer>> started = AdminServer::start(*options.admin, std::move(pages));
     if (!started) return tl::unexpected(started.error());
     admin = std::move(*started);
@@ -145,6 +147,12 @@ Result<int> run_server(const ServerProgramOptions& options) {
   print_where(options, **server, admin.get(), ready_seconds);
   if (!std::cout) log.write("warning: where it listens cannot be written to the output");
   const int signal = wait_for_signal(context, signals);
+  if (options.admin && options.drain_accept.count() > 0) {
+    // A balancer needs some checks until it sends nobody any more; whoever it sends meanwhile would only be sent back.
+    log.write(fmt::format("draining: not ready from now on, viewers are taken for {} s more", options.drain_accept.count()));
+    (*server)->announce_drain();
+    std::this_thread::sleep_for(options.drain_accept);
+  }
   log.write("stopping: clients are told to come back later");
   (*server)->drain("the server is shutting down", kDrainGrace);
   return signal;

@@ -2,6 +2,7 @@
 // farfield-server: serves scenes until it is told to stop. Data on stdout (where it listens), talk on stderr.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -22,6 +23,8 @@ struct ServerProgramOptions {
   StoreOptions stores;                              // behind memory
   int threads = 0;                                  // that make tiles; 0: one per processor
   int cast_nice = 0;                                // of these threads
+  std::size_t sessions = 1000;                      // viewers at a time; more are told when to come back
+  std::chrono::seconds drain_accept{5};             // with `admin`: how long those who come while it drains are still served
   LoadOptions load;
   ImpostorSettings settings;
   bool is_json = false;

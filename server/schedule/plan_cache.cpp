@@ -54,4 +54,16 @@ PlanCacheStatistics PlanCache::statistics() const {
           .capacity_bytes = plans_.capacity_bytes()};
 }
 
+SharedPlan FallbackCache::find(const CellId& finest) {
+  const std::scoped_lock lock(mutex_);
+  const SharedPlan* plan = plans_.find(finest);
+  return plan ? *plan : nullptr;
+}
+
+void FallbackCache::insert(const CellId& finest, SharedPlan plan) {
+  const std::size_t bytes = plan_memory_bytes(*plan);
+  const std::scoped_lock lock(mutex_);
+  plans_.insert(finest, std::move(plan), bytes);
+}
+
 }  // namespace farfield

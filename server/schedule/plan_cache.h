@@ -39,4 +39,20 @@ class PlanCache {
   std::uint64_t hits_ = 0, misses_ = 0;
 };
 
+/// Plans of fallback views by the finest cell they were asked for: cells around viewers overlap, so none is the one that holds a viewpoint.
+/// Thread-safe.
+class FallbackCache {
+ public:
+  explicit FallbackCache(std::size_t capacity_bytes) : plans_(capacity_bytes) {}
+
+  /// Returns: null if it is not there.
+  SharedPlan find(const CellId& finest);
+  /// Requires: not null.
+  void insert(const CellId& finest, SharedPlan plan);
+
+ private:
+  std::mutex mutex_;  // guards plans_
+  ByteBoundedLru<CellId, SharedPlan> plans_;
+};
+
 }  // namespace farfield

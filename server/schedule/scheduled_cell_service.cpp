@@ -31,6 +31,7 @@ class ScheduledCellService final : public MeasuredCellService {
         world_(world_of(parts_.scene)),
         grid_{parts_.scene.settings.finest_side_m},
         plan_cache_(parts_.plan_cache_bytes, parts_.scene.settings.finest_side_m),
+        fallback_cache_(parts_.plan_cache_bytes / 4),
         plans_(parts_.pool->queue()),
         leaf_names_(parts_.pool->queue()),
         fallbacks_(prompt_queue()),
@@ -76,14 +77,12 @@ class ScheduledCellService final : public MeasuredCellService {
       return {};
     }
     const CellId finest = grid_.cell_at(viewpoint, 0);
+    if (SharedPlan known = fallback_cache_.find(finest)) {
+      answer(std::move(known));
+      return {};
+    }
     const auto waiter = fallbacks_.join(
-        finest, priority,
-        [this, middle = grid_.box(finest).center()](const CancelFlag&) -> Result<SharedPlan> {
-          SharedPlan plan = parts_.leaves->fallback(middle);
-          place_chunks(*plan);
-          return plan;
-        },
-        std::move(answer));
+        finest, priority, [this, finest](const CancelFlag&) -> Result<SharedPlan> { return make_fallback(finest); }, std::move(answer));
     return Ticket([this, finest, waiter] { fallbacks_.withdraw(finest, waiter); });
   }
 
@@ -276,6 +275,21 @@ class ScheduledCellService final : public MeasuredCellService {
     }
   }
 
+  SharedPlan make_fallback(const CellId& finest) {
+    SharedPlan plan;
+    if (parts_.blobs) {
+      const auto read = [this](ByteView bytes) { return read_plan_record(bytes, parts_.geometry->chunk_count()); };
+      if (Result<SharedPlan> stored = fetched(BlobKind::kFallback, {.cell = finest}, read); stored && (*stored)->is_fallback) plan = std::move(*stored);
+    }
+    if (!plan) {
+      plan = parts_.leaves->fallback(grid_.box(finest).center());
+      keep(BlobKind::kFallback, {.cell = finest}, write_plan_record(*plan));
+    }
+    place_chunks(*plan);
+    fallback_cache_.insert(finest, plan);
+    return plan;
+  }
+
   // ── tiles: stored, else made ──
   void fetch_tile(const std::shared_ptr<RequestChain>& chain, TileRequest request) {
     chain->wait([&] {
@@ -404,6 +418,7 @@ class ScheduledCellService final : public MeasuredCellService {
   static constexpr std::chrono::seconds kPatience{15};
   const CellGrid grid_;
   PlanCache plan_cache_;
+  FallbackCache fallback_cache_;
   CellStatisticsRecorder recorder_;
   struct {
     std::atomic<std::uint64_t> leases{0}, alone{0}, waits{0}, waits_in_vain{0};

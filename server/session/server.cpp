@@ -47,6 +47,7 @@ struct Server::State {
   std::condition_variable session_closed;
   std::unordered_map<std::uint64_t, std::weak_ptr<Session>> sessions;
   std::uint64_t next_session = 1;
+  std::atomic<bool> is_leaving{false};  // balancers are told; everybody is served
   std::atomic<bool> is_draining{false};
 
   static asio::awaitable<void> accept(State* state);
@@ -173,7 +174,12 @@ Server::~Server() {
 
 Endpoint Server::endpoint() const { return state_->endpoint; }
 const SessionMetrics& Server::metrics() const { return state_->metrics; }
-bool Server::is_draining() const { return state_->is_draining; }
+std::string Server::why_not_ready() const {
+  if (state_->is_leaving || state_->is_draining) return "draining";
+  const std::lock_guard lock(state_->mutex);
+  return state_->sessions.size() >= state_->options.limits.sessions ? "full" : "";
+}
+void Server::announce_drain() { state_->is_leaving = true; }
 
 void Server::drain(const std::string& reason, std::chrono::milliseconds grace) {
   state_->is_draining = true;

@@ -35,8 +35,10 @@ class Server {
   /// Where it listens, with the actual port.
   Endpoint endpoint() const;
   const SessionMetrics& metrics() const;
-  bool is_draining() const;
-
+  /// Why new viewers should go elsewhere, in a word or two; empty: they are welcome.
+  std::string why_not_ready() const;
+  /// From now on not ready, and nothing else: whoever still comes is served.
+  void announce_drain();
   /// Takes no new connections, tells every client to come back later, and returns when all are gone or `grace` is
   /// over.
   void drain(const std::string& reason, std::chrono::milliseconds grace);

@@ -8,7 +8,7 @@ namespace farfield {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
-constexpr std::uint8_t kExceedsBudget = 1, kBackgroundVisible = 2;
+constexpr std::uint8_t kExceedsBudget = 1, kBackgroundVisible = 2, kIsFallback = 4;
 constexpr std::size_t kTileBytes = 21, kLeastPlanBytes = 40;  // of one in a plan's lists, at least
 
 tl::unexpected<Error> bad(const char* what) { return fail(ErrorCode::kBadData, "a stored {} is not what this version writes", what); }
@@ -30,7 +30,7 @@ ByteView get_sized(ByteReader& in) { return in.get_bytes(static_cast<std::size_t
 
 void put_plan(ByteWriter& out, const LeafPlan& plan) {
   put_cell(out, plan.leaf), put_cell(out, plan.root);
-  out.put(static_cast<std::uint8_t>((plan.exceeds_budget ? kExceedsBudget : 0) | (plan.background_visible ? kBackgroundVisible : 0)));
+  out.put(static_cast<std::uint8_t>((plan.exceeds_budget ? kExceedsBudget : 0) | (plan.background_visible ? kBackgroundVisible : 0) | (plan.is_fallback ? kIsFallback : 0)));
   out.put(plan.near_triangles);
   out.put(static_cast<std::int8_t>(plan.delta_views));
   put_sized(out, plan.enclosure.bytes()), put_sized(out, plan.sky.bytes());
@@ -58,6 +58,7 @@ Result<SharedPlan> get_plan(ByteReader& in, std::size_t chunks, bool may_divide)
   if (!is_cell(plan->leaf) || !is_cell(plan->root)) return bad("plan");
   const auto flags = in.get<std::uint8_t>();
   plan->exceeds_budget = flags & kExceedsBudget, plan->background_visible = flags & kBackgroundVisible;
+  plan->is_fallback = flags & kIsFallback;
   plan->near_triangles = in.get<std::uint32_t>();
   plan->delta_views = in.get<std::int8_t>();
   if (const ByteView mask = get_sized(in); !mask.empty()) {

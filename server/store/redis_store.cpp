@@ -21,6 +21,7 @@ char letter_of(BlobKind kind) {
     case BlobKind::kTile: return 't';
     case BlobKind::kPlan: return 'p';
     case BlobKind::kLeafName: return 'n';
+    case BlobKind::kFallback: return 'f';
   }
   return 'x';
 }

@@ -23,7 +23,7 @@ class LoadTest : public testing::Test {
   std::unique_ptr<ChildProgram> serve(const std::string& listen = "127.0.0.1:0") {
     auto server = std::make_unique<ChildProgram>(
         "farfield-server", std::vector<std::string>{"--scene", "plant=pipes:20000:1", "--listen", listen, "--admin", "127.0.0.1:0", "--store", store(),
-                                                    "--face-tiles", "2", "--delta-views", "1", "--finest-side", "4"});
+                                                    "--face-tiles", "2", "--delta-views", "1", "--finest-side", "4", "--drain-accept", "1s"});
     const auto at = server->wait_for_line("listening at ", 60s), admin = server->wait_for_line("admin at ", 60s);
     EXPECT_TRUE(at && admin) << server->error_out();
     endpoint_ = at ? at->substr(std::string("listening at ").size()) : "";

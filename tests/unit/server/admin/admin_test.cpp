@@ -25,8 +25,8 @@ std::string fetch(const Endpoint& endpoint, const std::string& request) {
 }
 
 TEST(Admin, AnswersItsThreePages) {
-  bool is_ready = true;
-  auto admin = AdminServer::start({"127.0.0.1", 0}, {[] { return std::string("farfield_x 1\n"); }, [&] { return is_ready; }});
+  std::string reason;
+  auto admin = AdminServer::start({"127.0.0.1", 0}, {[] { return std::string("farfield_x 1\n"); }, [&] { return reason; }});
   ASSERT_TRUE(admin) << admin.error().message;
   const auto get = [&](const std::string& target) {
     return fetch((*admin)->endpoint(), "GET " + target + " HTTP/1.1\r\nHost: x\r\n\r\n");
@@ -35,13 +35,13 @@ TEST(Admin, AnswersItsThreePages) {
   EXPECT_EQ(get("/metrics").rfind("HTTP/1.1 200 OK\r\n", 0), 0u);
   EXPECT_EQ(get("/healthz?verbose=1").rfind("HTTP/1.1 200", 0), 0u);
   EXPECT_EQ(get("/readyz").rfind("HTTP/1.1 200", 0), 0u);
-  is_ready = false;
-  EXPECT_EQ(get("/readyz").rfind("HTTP/1.1 503", 0), 0u);
+  reason = "draining";
+  EXPECT_EQ(get("/readyz").rfind("HTTP/1.1 404", 0), 0u);
   EXPECT_EQ(get("/etc/passwd").rfind("HTTP/1.1 404", 0), 0u);
 }
 
 TEST(Admin, SurvivesWhatIsNoRequest) {
-  auto admin = AdminServer::start({"127.0.0.1", 0}, {[] { return std::string(); }, [] { return true; }});
+  auto admin = AdminServer::start({"127.0.0.1", 0}, {[] { return std::string(); }, [] { return std::string(); }});
   ASSERT_TRUE(admin);
   EXPECT_EQ(fetch((*admin)->endpoint(), "nonsense\r\n\r\n").rfind("HTTP/1.1 400", 0), 0u);
   EXPECT_EQ(fetch((*admin)->endpoint(), "POST /metrics HTTP/1.1\r\n\r\n").rfind("HTTP/1.1 405", 0), 0u);
