@@ -54,6 +54,8 @@ Status connect(Parts& parts) {
   const ProgramOptions& options = parts.options;
   ClientOptions client;
   client.server = options.server;
+  client.tls = options.tls;
+  client.access_token = options.access_token;
   if (!options.link.is_none()) {
     Result<std::unique_ptr<LinkProxy>> link = LinkProxy::start(options.server, options.link);
     if (!link) return tl::unexpected(link.error());

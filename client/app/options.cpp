@@ -7,6 +7,7 @@
 #include <ostream>
 #include <string_view>
 
+#include "client/session/server_arguments.h"
 #include "common/base/byte_size.h"
 #include "common/base/command_line.h"
 #include "common/net/message_type.h"
@@ -18,6 +19,8 @@ constexpr const char* kFooter =
     "Examples:\n"
     "  farfield-client --connect scenes.example.org:7400 --scene clinic\n"
     "      Walk through a scene in a window.\n"
+    "  farfield-client --connect farfields://scenes.example.org --token-file ~/.config/farfield/token\n"
+    "      The same through TLS, with the token that the server's owner gave out.\n"
     "  farfield-client --connect :7400 --headless --trace walk.trace --frames-dir out --json\n"
     "      Replay a recorded walk in real time without a screen; images into out/, figures to stdout.\n"
     "  farfield-client --connect :7400 --headless --trace walk.trace --lockstep --frames 60\n"
@@ -72,10 +75,11 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   app.footer(kFooter);
   app.set_version_flag("--version", version_line());
 
-  std::string connect = to_string(options.server), size, link, record, trace, frames_dir, memory;
+  ServerArguments server;
+  std::string size, link, record, trace, frames_dir, memory;
   double fovy_deg = 60;
   bool is_headless = false;
-  app.add_option("--connect", connect, "Server, HOST:PORT")->envname("FARFIELD_CONNECT")->capture_default_str();
+  server.add_to(app);
   app.add_option("--scene", options.scene, "Scene in the server's catalogue; default: its first")->envname("FARFIELD_SCENE");
   app.add_option("--link", link, "Model a slow link: rate=20mbit,delay=40ms,jitter=5ms,loss=0.1%");
   app.add_flag("--window", options.is_window, "Show a window (default)");
@@ -119,10 +123,10 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
   options.trace = trace;
   options.frames_dir = frames_dir;
   options.record = record;
-  const Result<Endpoint> endpoint = parse_endpoint(connect);
+  const Result<ServerAccess> access = server.access();
   const Result<LinkModel> model = link.empty() ? Result<LinkModel>(LinkModel{}) : parse_link_model(link);
-  if (!endpoint || !model) {
-    complain(talk, app.get_name(), endpoint ? "--link: " + model.error().message : "--connect: " + endpoint.error().message);
+  if (!access || !model) {
+    complain(talk, app.get_name(), access ? "--link: " + model.error().message : access.error().message);
     return tl::unexpected(kExitUsage);
   }
   if (!memory.empty()) {
@@ -137,7 +141,9 @@ tl::expected<ProgramOptions, int> parse_options(int argument_count, const char* 
     complain(talk, app.get_name(), fmt::format("--memory: {} bytes hold nothing; give at least 1MiB", options.memory_bytes));
     return tl::unexpected(kExitUsage);
   }
-  options.server = *endpoint;
+  options.server = access->endpoint;
+  options.tls = access->tls;
+  options.access_token = access->token;
   options.link = *model;
   return options;
 }

@@ -11,6 +11,7 @@
 #include "common/math/camera.h"
 #include "common/net/endpoint.h"
 #include "common/net/link_model.h"
+#include "common/net/tls.h"
 
 namespace farfield::client {
 
@@ -22,6 +23,8 @@ enum class RendererChoice { kAuto, kCpu, kGl };
 
 struct ProgramOptions {
   Endpoint server;
+  std::shared_ptr<const TlsClient> tls;  // null: a plain connection
+  std::string access_token;
   std::string scene;
   LinkModel link;                        // modelled in this process, between client and server
   bool is_window = false;                // else headless

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <ostream>
 
+#include "client/session/server_arguments.h"
 #include "common/base/command_line.h"
 
 namespace farfield::client {
@@ -23,14 +24,15 @@ constexpr const char* kFooter =
 constexpr std::size_t kUndecodedStore = std::size_t{448} << 20;
 
 struct Raw {
-  std::string connect = "127.0.0.1:7400", admin, arrival, walk = "random", link;
+  ServerArguments server;
+  std::string admin, arrival, walk = "random", link;
   std::vector<std::string> thresholds;
   bool decodes = false;
 };
 
 void add_options(CLI::App& app, Raw& raw, LoadProgramOptions& options) {
   LoadOptions& load = options.load;
-  app.add_option("--connect", raw.connect, "Server, HOST:PORT")->envname("FARFIELD_CONNECT")->capture_default_str();
+  raw.server.add_to(app);
   app.add_option("--scene", load.client.scene, "Scene in the server's catalogue; default: its first")->envname("FARFIELD_SCENE");
   app.add_option("--clients", load.clients, "Viewers")->check(whole_number_between(1, 100'000))->capture_default_str();
   app.add_option("--arrival", raw.arrival, "New viewers per time, as 20/s or 90/min (default: all at once)");
@@ -50,9 +52,11 @@ void add_options(CLI::App& app, Raw& raw, LoadProgramOptions& options) {
 
 Status fill(const Raw& raw, LoadProgramOptions& options) {
   LoadOptions& load = options.load;
-  const Result<Endpoint> server = parse_endpoint(raw.connect);
-  if (!server) return fail_within("--connect", server.error());
-  load.client.server = *server;
+  Result<ServerAccess> access = raw.server.access();
+  if (!access) return tl::unexpected(access.error());
+  load.client.server = access->endpoint;
+  load.client.tls = std::move(access->tls);
+  load.client.access_token = std::move(access->token);
   if (!raw.admin.empty()) {
     const Result<Endpoint> admin = parse_endpoint(raw.admin);
     if (!admin) return fail_within("--admin", admin.error());

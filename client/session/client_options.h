@@ -4,16 +4,20 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "client/decode/payload_decoder.h"
 #include "common/math/camera.h"
 #include "common/net/endpoint.h"
+#include "common/net/tls.h"
 
 namespace farfield::client {
 
 struct ClientOptions {
   Endpoint server;
+  std::shared_ptr<const TlsClient> tls;  // null: a plain connection
+  std::string access_token;             // empty: none; the server says whether it asks for one
   std::string scene;                    // name in the server's catalogue; empty: its first
   std::string program = "farfield-client";
   Display display;                      // told to the server

@@ -77,15 +77,14 @@ std::uint64_t ServerLink::bytes_out() const {
 asio::awaitable<void> ServerLink::run(std::shared_ptr<ServerLink> self) {
   asio::error_code ignored;
   while (!self->is_stopping_) {
-    Result<asio::ip::tcp::socket> socket =
-        co_await connect_to(self->context_.get_executor(), self->options_.server, self->options_.connect_timeout);
+    Result<std::shared_ptr<Stream>> stream = co_await open_stream(self);
     if (self->is_stopping_) break;
-    if (socket) {
-      self->start_session(std::move(*socket));
+    if (stream) {
+      self->start_session(std::move(*stream));
       self->closed_.expires_at(std::chrono::steady_clock::time_point::max());
       if (self->connection_) co_await self->closed_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
     } else {
-      self->last_error_ = std::move(socket.error());
+      self->last_error_ = std::move(stream.error());
     }
     if (self->is_stopping_) break;
     if (self->is_final(self->last_error_)) {
@@ -100,13 +99,26 @@ asio::awaitable<void> ServerLink::run(std::shared_ptr<ServerLink> self) {
   self->set_state(ClientState::kStopped, stopped);
 }
 
-void ServerLink::start_session(asio::ip::tcp::socket socket) {
+asio::awaitable<Result<std::shared_ptr<Stream>>> ServerLink::open_stream(std::shared_ptr<ServerLink> self) {
+  const ClientOptions& options = self->options_;
+  Result<asio::ip::tcp::socket> socket = co_await connect_to(self->context_.get_executor(), options.server, options.connect_timeout);
+  if (!socket) co_return tl::unexpected(std::move(socket.error()));
+  if (!options.tls) co_return std::make_shared<Stream>(std::move(*socket));
+  Result<TlsSocketPointer> secure = options.tls->wrap(std::move(*socket));
+  if (!secure) co_return tl::unexpected(std::move(secure.error()));
+  auto stream = std::make_shared<Stream>(std::move(*secure));
+  const Status shaken = co_await shake_hands(stream, false, options.connect_timeout);
+  if (!shaken) co_return fail_within(options.tls->host(), shaken.error());
+  co_return stream;
+}
+
+void ServerLink::start_session(std::shared_ptr<Stream> stream) {
   ConnectionOptions connection_options;
   connection_options.receive_limits = kFromServerLimits;
   is_welcome_ = false;
   is_leaving_ = false;
   is_refused_ = false;
-  const std::shared_ptr<Connection> connection = Connection::create(std::move(socket), connection_options);
+  const std::shared_ptr<Connection> connection = Connection::create(std::move(stream), connection_options);
   connection_ = connection;
   ConnectionEvents events;
   // The connection drops its events when it closes, so this is no cycle.

@@ -58,7 +58,8 @@ class ServerLink : public std::enable_shared_from_this<ServerLink> {
   static asio::awaitable<void> run(std::shared_ptr<ServerLink> self);
   static asio::awaitable<void> beat(std::shared_ptr<ServerLink> self, std::shared_ptr<Connection> connection);
   void ping();
-  void start_session(asio::ip::tcp::socket socket);
+  static asio::awaitable<Result<std::shared_ptr<Stream>>> open_stream(std::shared_ptr<ServerLink> self);
+  void start_session(std::shared_ptr<Stream> stream);
   void receive(IncomingFrame frame);
   Status handle(IncomingFrame frame);
   Status handle_welcome(const IncomingFrame& frame);

@@ -49,10 +49,10 @@ class GatherList {
 
 }  // namespace
 
-Connection::Connection(asio::ip::tcp::socket socket, const ConnectionOptions& options)
-    : socket_(std::move(socket)),
-      wake_writer_(socket_.get_executor()),
-      grace_(socket_.get_executor()),
+Connection::Connection(std::shared_ptr<Stream> stream, const ConnectionOptions& options)
+    : stream_(std::move(stream)),
+      wake_writer_(executor()),
+      grace_(executor()),
       decoder_(options.receive_limits),
       outbox_(options.outbox_bytes, options.control_outbox_bytes),
       counters_(std::make_unique<ConnectionCounters>()),
@@ -63,12 +63,13 @@ void Connection::count(std::atomic<std::uint64_t> ConnectionCounters::* which, s
   if (totals_) ((*totals_).*which).fetch_add(amount, std::memory_order_relaxed);
 }
 
-std::shared_ptr<Connection> Connection::create(asio::ip::tcp::socket socket, const ConnectionOptions& options) {
-  std::shared_ptr<Connection> connection(new Connection(std::move(socket), options));
+std::shared_ptr<Connection> Connection::create(std::shared_ptr<Stream> stream, const ConnectionOptions& options) {
+  std::shared_ptr<Connection> connection(new Connection(std::move(stream), options));
+  asio::ip::tcp::socket& socket = connection->stream_->socket();
   asio::error_code ignored;
-  connection->socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
-  ::setsockopt(connection->socket_.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof kUnsentBytes);
-  const asio::ip::tcp::endpoint peer = connection->socket_.remote_endpoint(ignored);
+  socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+  ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof kUnsentBytes);
+  const asio::ip::tcp::endpoint peer = socket.remote_endpoint(ignored);
   connection->peer_ = ignored ? "unknown" : to_string(Endpoint{peer.address().to_string(), peer.port()});
   return connection;
 }
@@ -107,7 +108,7 @@ void Connection::close(Error reason) {
   if (state_ == State::kOpen) reason_ = std::move(reason);
   state_ = State::kClosed;
   asio::error_code ignored;
-  socket_.close(ignored);
+  stream_->socket().close(ignored);
   wake_writer_.cancel();
   grace_.cancel();
   for (const Lane lane : {Lane::kControl, Lane::kPayload, Lane::kPrefetch}) outbox_.discard(lane);
@@ -156,8 +157,7 @@ asio::awaitable<void> Connection::read_loop(std::shared_ptr<Connection> self) {
     asio::error_code error;
     const bool was_open = self->is_open();
     const asio::mutable_buffer buffer(target.data(), target.size());
-    const std::size_t size =
-        co_await self->socket_.async_read_some(buffer, asio::redirect_error(asio::use_awaitable, error));
+    const std::size_t size = co_await self->stream_->read_some(buffer, error);
     if (self->state_ == State::kClosed) break;
     if (error) {
       const bool is_cut = error != asio::error::eof || self->decoder_.is_within_frame();
@@ -180,7 +180,8 @@ asio::awaitable<void> Connection::write_loop(std::shared_ptr<Connection> self) {
     if (frames.empty()) {
       if (self->state_ == State::kFlushing) {
         // Everything is written. Closing now could reset the connection and lose it: wait until the peer closes too.
-        self->socket_.shutdown(asio::ip::tcp::socket::shutdown_send, error);
+        if (self->stream_->is_tls()) co_await self->stream_->say_farewell(error);
+        self->stream_->socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);
         break;
       }
       self->wake_writer_.expires_at(Clock::time_point::max());
@@ -191,8 +192,7 @@ asio::awaitable<void> Connection::write_loop(std::shared_ptr<Connection> self) {
     self->write_progress_ = Clock::now();
     while (!gather.is_done() && self->state_ != State::kClosed) {
       const std::vector<asio::const_buffer> buffers = gather.remaining();
-      const std::size_t written =
-          co_await self->socket_.async_write_some(buffers, asio::redirect_error(asio::use_awaitable, error));
+      const std::size_t written = co_await self->stream_->write_some(buffers, error);
       if (error && self->state_ != State::kClosed) {
         self->close({ErrorCode::kIo, self->peer_ + " broke the connection: " + error.message()});
       }

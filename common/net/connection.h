@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One TCP connection that carries frames: a reader and a writer coroutine with an outbox between them.
+// One connection that carries frames: a reader and a writer coroutine with an outbox between them.
 //
 // Threads: everything belongs to the executor of the socket, which must be a strand or an io_context run by one
 // thread: call every function there, and events arrive there. Only `counters()` may be read from anywhere.
@@ -18,6 +18,7 @@
 
 #include "common/net/frame_decoder.h"
 #include "common/net/outbox.h"
+#include "common/net/stream.h"
 
 namespace farfield {
 
@@ -47,8 +48,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Takes a connected socket over.
-  static std::shared_ptr<Connection> create(asio::ip::tcp::socket socket, const ConnectionOptions& options);
+  /// Takes a connected stream over, one under TLS after its handshake.
+  static std::shared_ptr<Connection> create(std::shared_ptr<Stream> stream, const ConnectionOptions& options);
+  static std::shared_ptr<Connection> create(asio::ip::tcp::socket socket, const ConnectionOptions& options) {
+    return create(std::make_shared<Stream>(std::move(socket)), options);
+  }
 
   void start(ConnectionEvents events);
   /// Queues a frame. Returns: false if the lane is full or the connection is closing; a full control lane closes it
@@ -69,14 +73,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// How long a write has waited for the peer without a byte of progress; zero while nothing is being written.
   Clock::duration write_stalled() const;
   Clock::duration since_received() const { return Clock::now() - last_received_; }
-  asio::any_io_executor executor() { return socket_.get_executor(); }
+  asio::any_io_executor executor() { return stream_->socket().get_executor(); }
   /// "host:port" of the peer, for logs.
   const std::string& peer() const { return peer_; }
 
  private:
   enum class State { kOpen, kFlushing, kClosed };
 
-  Connection(asio::ip::tcp::socket socket, const ConnectionOptions& options);
+  Connection(std::shared_ptr<Stream> stream, const ConnectionOptions& options);
   void count(std::atomic<std::uint64_t> ConnectionCounters::* which, std::uint64_t amount);
   static asio::awaitable<void> read_loop(std::shared_ptr<Connection> self);
   static asio::awaitable<void> write_loop(std::shared_ptr<Connection> self);
@@ -84,7 +88,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// Hands out whole frames. Returns: false when the connection must not read on.
   bool deliver_frames();
 
-  asio::ip::tcp::socket socket_;
+  std::shared_ptr<Stream> stream_;
   asio::steady_timer wake_writer_;
   asio::steady_timer grace_;
   FrameDecoder decoder_;

@@ -2,12 +2,14 @@
 #include "common/net/endpoint.h"
 
 #include <algorithm>
+#include <asio/ip/address.hpp>
 #include <charconv>
 
 namespace farfield {
 
-Result<Endpoint> parse_endpoint(std::string_view text) {
+Result<Endpoint> parse_endpoint(std::string_view text, std::uint16_t default_port) {
   Endpoint endpoint;
+  endpoint.port = default_port;
   std::string_view host = text, port;
   bool has_port = false;
   if (!text.empty() && text.front() == '[') {
@@ -37,6 +39,27 @@ Result<Endpoint> parse_endpoint(std::string_view text) {
   if (!host.empty()) endpoint.host = host;
   if (text.empty()) return fail(ErrorCode::kInvalidArgument, "an empty address: write HOST:PORT");
   return endpoint;
+}
+
+bool is_loopback(const Endpoint& endpoint) {
+  asio::error_code error;
+  const asio::ip::address address = asio::ip::make_address(endpoint.host, error);
+  return endpoint.host == "localhost" || (!error && address.is_loopback());
+}
+
+Result<ServerAddress> parse_server_address(std::string_view text, bool is_tls) {
+  constexpr std::string_view kPlain = "farfield://", kSecure = "farfields://";
+  if (text.starts_with(kSecure)) {
+    is_tls = true;
+    text.remove_prefix(kSecure.size());
+  } else if (text.starts_with(kPlain)) {
+    if (is_tls) return fail(ErrorCode::kInvalidArgument, "'{}' is a plain connection, and --tls asks for TLS: write farfields://", text);
+    text.remove_prefix(kPlain.size());
+  }
+  if (text.ends_with('/')) text.remove_suffix(1);
+  const Result<Endpoint> endpoint = parse_endpoint(text, is_tls ? kDefaultTlsPort : kDefaultPort);
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  return ServerAddress{*endpoint, is_tls};
 }
 
 std::string to_string(const Endpoint& endpoint) {

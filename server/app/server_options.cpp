@@ -22,16 +22,19 @@ constexpr const char* kFooter = R"(Examples:
   farfield-server --scene plant=pipes:1000000:1 --scene town=tile.city.json --listen 0.0.0.0:7400
   farfield-server --scene plant.glb --store /var/cache/farfield --store-bytes 100GiB
   farfield-server --scene plant.glb --redis cache.example:6379     # one of several that share what they make
+  farfield-server --scene plant.glb --tls-listen 0.0.0.0:7443 --tls-cert fullchain.pem --tls-key key.pem
   farfield-server --scene delft.obj --up z --shift -84900,0,447600 --admin 127.0.0.1:7401
 
+SIGHUP reads certificate and key again.
 SIGTERM stops taking clients, tells those connected to come back, and ends.
 Exit codes: 0 told to stop, 1 failed, 2 wrong usage, 130 interrupted.)";
 
 struct RawOptions {
   std::vector<std::string> scenes;
-  std::string listen = "127.0.0.1:7400", admin, memory = "4GiB", drain_accept = "5s";
+  std::string listen, admin, memory = "4GiB", drain_accept = "5s";
   StoreArguments stores;
   LoadArguments load;
+  SecurityArguments security;
   bool shows_version = false;
 };
 
@@ -39,7 +42,8 @@ void add_options(CLI::App& app, RawOptions& raw, ServerProgramOptions& options) 
   app.add_option("--scene", raw.scenes, "Scene to serve, [NAME=]SCENE: a model file or KIND:TRIANGLES:SEED; repeatable")
       ->required()
       ->allow_extra_args(false);
-  app.add_option("--listen", raw.listen, "HOST:PORT for clients; port 0 takes any free one and prints it")->capture_default_str();
+  app.add_option("--listen", raw.listen, "HOST:PORT for clients, unencrypted; port 0 takes any free one and prints it (default: 127.0.0.1:7400, and with --tls-listen none)");
+  raw.security.add_to(app);
   app.add_option("--admin", raw.admin, "HOST:PORT for /metrics, /healthz and /readyz (default: off)");
   app.add_option("--sessions", options.sessions, "Viewers at a time; more are told when to come back")
       ->check(whole_number_between(1, 1'000'000))
@@ -63,9 +67,16 @@ Status fill(const RawOptions& raw, ServerProgramOptions& options) {
     if (!scene) return tl::unexpected(scene.error());
     options.scenes.push_back(std::move(*scene));
   }
-  const Result<Endpoint> listen = parse_endpoint(raw.listen);
-  if (!listen) return fail_within("--listen", listen.error());
-  options.listen = *listen;
+  Result<SecurityOptions> security = raw.security.options();
+  if (!security) return tl::unexpected(security.error());
+  options.security = std::move(*security);
+  if (!raw.listen.empty()) {
+    const Result<Endpoint> listen = parse_endpoint(raw.listen);
+    if (!listen) return fail_within("--listen", listen.error());
+    options.listen = *listen;
+  } else if (!options.security.tls_listen) {
+    options.listen = Endpoint{};
+  }
   if (!raw.admin.empty()) {
     const Result<Endpoint> admin = parse_endpoint(raw.admin);
     if (!admin) return fail_within("--admin", admin.error());

@@ -53,8 +53,9 @@ std::string metrics_page(const Server& server, const std::vector<std::shared_ptr
 /// Said before minutes are spent on loading; the sockets are opened for good when there is something to serve.
 Status check_addresses(const ServerProgramOptions& options) {
   asio::io_context context{1};
-  if (const auto listening = listen_at(context.get_executor(), options.listen); !listening) {
-    return tl::unexpected(listening.error());
+  for (const std::optional<Endpoint>& endpoint : {options.listen, options.security.tls_listen}) {
+    if (!endpoint) continue;
+    if (const auto listening = listen_at(context.get_executor(), *endpoint); !listening) return tl::unexpected(listening.error());
   }
   if (!options.admin) return {};
   const auto listening = listen_at(context.get_executor(), *options.admin);
@@ -63,13 +64,17 @@ Status check_addresses(const ServerProgramOptions& options) {
 }
 
 void print_where(const ServerProgramOptions& options, const Server& server, const AdminServer* admin, double ready_seconds) {
+  const std::optional<Endpoint> secure = server.tls_endpoint();
   if (options.is_json) {
-    nlohmann::json where{{"listening", to_string(server.endpoint())}, {"ready_s", ready_seconds}};
+    nlohmann::json where{{"ready_s", ready_seconds}};
+    if (options.listen) where["listening"] = to_string(server.endpoint());
+    if (secure) where["listening_tls"] = to_string(*secure);
     if (admin) where["admin"] = to_string(admin->endpoint());
     std::cout << where.dump() << std::endl;
     return;
   }
-  std::cout << "listening at " << to_string(server.endpoint()) << std::endl;
+  if (options.listen) std::cout << "listening at " << to_string(server.endpoint()) << std::endl;
+  if (secure) std::cout << "listening for TLS at " << to_string(*secure) << std::endl;
   if (admin) std::cout << "admin at " << to_string(admin->endpoint()) << std::endl;
 }
 
@@ -98,11 +103,26 @@ Result<std::vector<std::shared_ptr<MeasuredCellService>>> build_services(const S
 /// Blocks until one of the signals has come. A second one during the drain ends the process at once.
 int wait_for_signal(asio::io_context& context, asio::signal_set& signals) {
   int received = 0;
-  signals.async_wait([&received](const asio::error_code&, int signal) { received = signal; });
+  signals.async_wait([&](const asio::error_code&, int signal) {
+    received = signal;
+    context.stop();  // SIGHUP is waited for still
+  });
   context.run();
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
   return received;
+}
+
+/// Reads what may change while the server runs whenever SIGHUP comes.
+void reload_on_hangup(asio::signal_set& hangup, TlsServer* tls, EventLog& log) {
+  hangup.async_wait([&hangup, tls, &log](const asio::error_code& error, int) {
+    if (error) return;
+    if (tls) {
+      const Status read = tls->reload();
+      log.write(read ? "the certificate was read again: new connections get it" : "the certificate stays as it was: " + read.error().message);
+    }
+    reload_on_hangup(hangup, tls, log);
+  });
 }
 
 /// Said before minutes are spent on loading.
@@ -121,6 +141,12 @@ Result<int> run_server(const ServerProgramOptions& options) {
   if (const Status unique = check_names(options.scenes); !unique) return tl::unexpected(unique.error());
   if (const Status free = check_addresses(options); !free) return tl::unexpected(free.error());
   const auto start = std::chrono::steady_clock::now();
+  std::shared_ptr<TlsServer> tls;
+  if (options.security.tls_listen) {
+    Result<std::shared_ptr<TlsServer>> loaded = TlsServer::load(options.security.tls);
+    if (!loaded) return tl::unexpected(loaded.error());
+    tls = std::move(*loaded);
+  }
   EventLog log(options.is_json);
   const auto prepared = prepared_bytes(options.stores) == 0 ? nullptr : std::make_shared<PreparedScenes>(options.stores.folder, prepared_bytes(options.stores));
   const auto services = build_services(options, prepared, log);
@@ -129,9 +155,12 @@ Result<int> run_server(const ServerProgramOptions& options) {
   ServerOptions server_options;
   server_options.listen = options.listen;
   server_options.limits.sessions = options.sessions;
+  server_options.tls_listen = options.security.tls_listen;
+  server_options.tls = tls;
   if (options.is_verbose) server_options.log = [&log](const std::string& line) { log.write(line); };
   asio::io_context context{1};
-  asio::signal_set signals(context, SIGINT, SIGTERM);
+  asio::signal_set signals(context, SIGINT, SIGTERM), hangup(context, SIGHUP);
+  reload_on_hangup(hangup, tls.get(), log);
   const Result<std::unique_ptr<Server>> server = Server::start(server_options, {services->begin(), services->end()});
   if (!server) return tl::unexpected(server.error());
 

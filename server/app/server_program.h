@@ -11,13 +11,15 @@
 #include "common/impostor/settings.h"
 #include "server/app/build_service.h"
 #include "server/app/open_stores.h"
+#include "server/app/security_arguments.h"
 #include "server/session/server.h"
 
 namespace farfield {
 
 struct ServerProgramOptions {
   std::vector<SceneArgument> scenes;
-  Endpoint listen;
+  std::optional<Endpoint> listen;  // plain
+  SecurityOptions security;
   std::optional<Endpoint> admin;
   std::size_t memory_bytes = std::size_t{4} << 30;  // of encoded tiles
   StoreOptions stores;                              // behind memory

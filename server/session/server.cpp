@@ -18,6 +18,7 @@
 #include <unordered_set>
 
 #include "common/net/connect.h"
+#include "common/net/stream.h"
 #include "server/session/session.h"
 #include "server/session/session_messages.h"
 
@@ -39,32 +40,53 @@ struct Server::State {
   SessionWorld world;
   std::shared_ptr<asio::io_context> context;
   asio::executor_work_guard<asio::io_context::executor_type> work;
-  std::unique_ptr<tcp::acceptor> acceptor;
-  Endpoint endpoint;
+  struct Door {
+    tcp::acceptor acceptor;
+    Endpoint endpoint;
+    bool is_tls = false;
+  };
+  std::vector<std::unique_ptr<Door>> doors;
   std::vector<std::thread> threads;
 
   std::mutex mutex;  // guards everything below
   std::condition_variable session_closed;
   std::unordered_map<std::uint64_t, std::weak_ptr<Session>> sessions;
   std::uint64_t next_session = 1;
+  std::unordered_set<std::shared_ptr<Stream>> handshakes;
   std::atomic<bool> is_leaving{false};  // balancers are told; everybody is served
   std::atomic<bool> is_draining{false};
 
-  static asio::awaitable<void> accept(State* state);
-  void open(tcp::socket socket);
+  Status add_door(const Endpoint& listen, bool is_tls);
+  static asio::awaitable<void> accept(State* state, Door* door);
+  void open(tcp::socket socket, bool is_tls);
+  static asio::awaitable<void> secure(State* state, std::shared_ptr<Stream> stream);
+  void open(std::shared_ptr<Stream> stream);
   void refuse(std::shared_ptr<Connection> connection);
   std::vector<std::shared_ptr<Session>> open_sessions();
   void stop_listening();
+  void log(const std::string& line) const {
+    if (options.log) options.log(line);
+  }
 };
 
-asio::awaitable<void> Server::State::accept(State* state) {
+Status Server::State::add_door(const Endpoint& listen, bool is_tls) {
+  // On a strand of its own: closing it must not meet an accept on another thread.
+  Result<tcp::acceptor> acceptor = listen_at(asio::make_strand(*context), listen);
+  if (!acceptor) return tl::unexpected(acceptor.error());
+  asio::error_code ignored;
+  const tcp::endpoint local = acceptor->local_endpoint(ignored);
+  doors.push_back(std::make_unique<Door>(Door{std::move(*acceptor), {local.address().to_string(), local.port()}, is_tls}));
+  return {};
+}
+
+asio::awaitable<void> Server::State::accept(State* state, Door* door) {
   asio::error_code error;
   asio::steady_timer pause(*state->context);
-  while (state->acceptor->is_open()) {
+  while (door->acceptor.is_open()) {
     tcp::socket socket(asio::any_io_executor(asio::make_strand(*state->context)));
-    co_await state->acceptor->async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
+    co_await door->acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
     if (!error) {
-      state->open(std::move(socket));
+      state->open(std::move(socket), door->is_tls);
     } else if (error != asio::error::operation_aborted) {
       // Out of descriptors, most likely: those who are here go on, new ones wait until some have left.
       pause.expires_after(std::chrono::milliseconds(100));
@@ -73,13 +95,42 @@ asio::awaitable<void> Server::State::accept(State* state) {
   }
 }
 
-void Server::State::open(tcp::socket socket) {
+void Server::State::open(tcp::socket socket, bool is_tls) {
+  if (!is_tls) return open(std::make_shared<Stream>(std::move(socket)));
+  auto stream = std::make_shared<Stream>(options.tls->wrap(std::move(socket)));
+  {
+    const std::lock_guard lock(mutex);
+    if (is_draining || handshakes.size() >= options.limits.handshakes) {
+      ++metrics.refused_sessions;
+      return;  // a word of explanation would cost the handshake that there is no room for
+    }
+    handshakes.insert(stream);
+  }
+  const asio::any_io_executor executor = stream->socket().get_executor();
+  asio::co_spawn(executor, secure(this, std::move(stream)), asio::detached);
+}
+
+asio::awaitable<void> Server::State::secure(State* state, std::shared_ptr<Stream> stream) {
+  const Status shaken = co_await shake_hands(stream, true, state->options.limits.handshake_timeout);
+  {
+    const std::lock_guard lock(state->mutex);
+    state->handshakes.erase(stream);
+  }
+  if (shaken) {
+    state->open(std::move(stream));
+  } else {
+    ++state->metrics.failed_handshakes;
+    state->log("refused: " + shaken.error().message);
+  }
+}
+
+void Server::State::open(std::shared_ptr<Stream> stream) {
   ConnectionOptions connection_options;
   connection_options.receive_limits = kFromClientLimits;
   connection_options.outbox_bytes = options.limits.outbox_bytes;
   connection_options.control_outbox_bytes = options.limits.control_bytes;
   connection_options.totals = metrics.traffic;
-  std::shared_ptr<Connection> connection = Connection::create(std::move(socket), connection_options);
+  std::shared_ptr<Connection> connection = Connection::create(std::move(stream), connection_options);
 
   std::shared_ptr<Session> session;
   std::uint64_t number = 0;
@@ -127,13 +178,22 @@ std::vector<std::shared_ptr<Session>> Server::State::open_sessions() {
 
 // Returns when nobody can connect any more. Not from a network thread: it waits for one.
 void Server::State::stop_listening() {
-  const auto closed = std::make_shared<std::promise<void>>();
-  asio::post(acceptor->get_executor(), [this, closed] {
-    asio::error_code ignored;
-    acceptor->close(ignored);
-    closed->set_value();
-  });
-  closed->get_future().wait();
+  for (const std::unique_ptr<Door>& door : doors) {
+    const auto closed = std::make_shared<std::promise<void>>();
+    asio::post(door->acceptor.get_executor(), [&door, closed] {
+      asio::error_code ignored;
+      door->acceptor.close(ignored);
+      closed->set_value();
+    });
+    closed->get_future().wait();
+  }
+  const std::lock_guard lock(mutex);
+  for (const std::shared_ptr<Stream>& stream : handshakes) {
+    asio::post(stream->socket().get_executor(), [stream] {
+      asio::error_code ignored;
+      stream->socket().close(ignored);
+    });
+  }
 }
 
 Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -149,14 +209,18 @@ Result<std::unique_ptr<Server>> Server::start(ServerOptions options, std::vector
   }
   options.threads = std::max(options.threads, 1);
   auto state = std::make_unique<State>(std::move(options), std::move(scenes));
-  // On a strand of its own: closing it must not meet an accept on another thread.
-  Result<tcp::acceptor> acceptor = listen_at(asio::make_strand(*state->context), state->options.listen);
-  if (!acceptor) return tl::unexpected(acceptor.error());
-  state->acceptor = std::make_unique<tcp::acceptor>(std::move(*acceptor));
-  asio::error_code ignored;
-  const tcp::endpoint local = state->acceptor->local_endpoint(ignored);
-  state->endpoint = Endpoint{local.address().to_string(), local.port()};
-  asio::co_spawn(state->acceptor->get_executor(), State::accept(state.get()), asio::detached);
+  const ServerOptions& given = state->options;
+  if (!given.listen && !given.tls_listen) return fail(ErrorCode::kInvalidArgument, "a server needs an address to listen at");
+  if (given.tls_listen && !given.tls) return fail(ErrorCode::kInvalidArgument, "listening for TLS needs a certificate and its key");
+  if (given.listen) {
+    if (Status opened = state->add_door(*given.listen, false); !opened) return tl::unexpected(opened.error());
+  }
+  if (given.tls_listen) {
+    if (Status opened = state->add_door(*given.tls_listen, true); !opened) return tl::unexpected(opened.error());
+  }
+  for (const auto& door : state->doors) {
+    asio::co_spawn(door->acceptor.get_executor(), State::accept(state.get(), door.get()), asio::detached);
+  }
   for (int i = 0; i < state->options.threads; ++i) {
     state->threads.emplace_back([context = state->context] { context->run(); });
   }
@@ -172,7 +236,11 @@ Server::~Server() {
   for (std::thread& thread : state_->threads) thread.join();
 }
 
-Endpoint Server::endpoint() const { return state_->endpoint; }
+Endpoint Server::endpoint() const { return state_->doors.front()->endpoint; }
+std::optional<Endpoint> Server::tls_endpoint() const {
+  const State::Door& last = *state_->doors.back();
+  return last.is_tls ? std::optional(last.endpoint) : std::nullopt;
+}
 const SessionMetrics& Server::metrics() const { return state_->metrics; }
 std::string Server::why_not_ready() const {
   if (state_->is_leaving || state_->is_draining) return "draining";

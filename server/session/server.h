@@ -7,10 +7,12 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/net/endpoint.h"
+#include "common/net/tls.h"
 #include "server/schedule/cell_service.h"
 #include "server/session/server_limits.h"
 #include "server/session/session_metrics.h"
@@ -18,7 +20,9 @@
 namespace farfield {
 
 struct ServerOptions {
-  Endpoint listen;                      // port 0: any free one
+  std::optional<Endpoint> listen = Endpoint{};  // plain; port 0: any free one; empty: TLS only
+  std::optional<Endpoint> tls_listen;   // needs `tls`
+  std::shared_ptr<TlsServer> tls;
   int threads = 1;                      // network threads: they only copy bytes and parse small messages
   ServerLimits limits;
   std::function<void(const std::string&)> log;  // one line per event; thread-safe; may be empty
@@ -27,13 +31,14 @@ struct ServerOptions {
 class Server {
  public:
   /// Serves from its return on. `scenes`: by the names in their descriptions; the first is the default.
-  /// Errors: kInvalidArgument (no scene, a name twice), kNotFound, kUnavailable (the port is in use), kIo.
+  /// Errors: kInvalidArgument (no scene, a name twice, nowhere to listen), kNotFound, kUnavailable (the port is in use), kIo.
   static Result<std::unique_ptr<Server>> start(ServerOptions options, std::vector<std::shared_ptr<CellService>> scenes);
   /// Cuts what is still connected.
   ~Server();
 
-  /// Where it listens, with the actual port.
+  /// Where it listens, with the actual ports: endpoint() is the plain one, or the only one.
   Endpoint endpoint() const;
+  std::optional<Endpoint> tls_endpoint() const;
   const SessionMetrics& metrics() const;
   /// Why new viewers should go elsewhere, in a word or two; empty: they are welcome.
   std::string why_not_ready() const;

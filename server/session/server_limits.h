@@ -10,6 +10,7 @@ namespace farfield {
 
 struct ServerLimits {
   std::size_t sessions = 1000;
+  std::size_t handshakes = 256;          // of TLS, under way at one time; beyond it connections are closed unheard
   // ── announced ──
   std::uint32_t held = 65536;            // hashes in Hello.held and Evicted: half the largest message
   std::uint32_t poses_per_second = 30;   // a walker moves 5 cm between two of them
@@ -25,6 +26,7 @@ struct ServerLimits {
   std::size_t prefetch_requests = 8;     // of these, for leaves the viewer is not in
   std::size_t prefetched_leaves = 2;     // leaf sets sent ahead at one time
   // ── time ──
+  std::chrono::milliseconds handshake_timeout{5'000};  // of TLS
   std::chrono::milliseconds hello_timeout{10'000};
   std::chrono::milliseconds ping_after{10'000};        // silence
   std::chrono::milliseconds give_up_after{30'000};     // silence after pings, or a write without progress

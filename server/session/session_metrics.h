@@ -16,6 +16,7 @@ struct SessionMetrics {
   std::shared_ptr<ConnectionCounters> traffic = std::make_shared<ConnectionCounters>();
   std::atomic<std::int64_t> open_sessions{0};
   Counter sessions{0}, resumed_sessions{0}, refused_sessions{0};
+  Counter failed_handshakes{0};        // of TLS: cut, too slow, no common version, no TLS at all
   Counter poses{0}, poses_dropped{0}, leaves_deferred{0};
   Counter leaf_sets{0}, leaf_sets_prefetched{0}, leaf_sets_fallback{0}, leaf_sets_complete{0};
   Counter leaf_sets_reused{0};         // entered, and announced before: no manifest sent

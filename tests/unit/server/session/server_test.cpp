@@ -236,7 +236,7 @@ TEST_F(ServerTest, APortInUseAndScenesOfOneNameAreErrors) {
   const auto taken = Server::start(options, {scene});
   ASSERT_FALSE(taken);
   EXPECT_EQ(taken.error().code, ErrorCode::kUnavailable);
-  options.listen.port = 0;
+  options.listen->port = 0;
   const auto twice = Server::start(options, {scene, std::make_shared<FakeCellService>()});
   ASSERT_FALSE(twice);
   EXPECT_EQ(twice.error().code, ErrorCode::kInvalidArgument);

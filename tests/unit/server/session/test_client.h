@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <asio/co_spawn.hpp>
 #include <map>
 #include <set>
 
@@ -16,12 +17,18 @@ namespace farfield::test {
 
 class TestClient {
  public:
-  explicit TestClient(const Endpoint& server) {
+  /// `tls`: null for a plain connection.
+  explicit TestClient(const Endpoint& server, const TlsClient* tls = nullptr) {
     asio::ip::tcp::socket socket(context);
     socket.connect({asio::ip::make_address(server.host), server.port});
     ConnectionOptions options;
     options.receive_limits = kFromServerLimits;
-    connection = Connection::create(std::move(socket), options);
+    auto stream = tls ? std::make_shared<Stream>(*tls->wrap(std::move(socket))) : std::make_shared<Stream>(std::move(socket));
+    std::optional<Status> shaken;
+    asio::co_spawn(context, shake_hands(stream, false, std::chrono::seconds(5)),
+                   [&shaken](std::exception_ptr, Status status) { shaken = std::move(status); });
+    EXPECT_TRUE(run_until(context, [&] { return shaken.has_value(); }) && *shaken);
+    connection = Connection::create(std::move(stream), options);
     ConnectionEvents events;
     events.on_frame = [this](IncomingFrame frame) { receive(std::move(frame)); };
     events.on_closed = [this](const Error& error) { closed = error; };

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options of farfield-server that say who may come in, and how.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "common/net/endpoint.h"
+#include "common/net/tls.h"
+
+namespace farfield {
+
+struct SecurityOptions {
+  std::optional<Endpoint> tls_listen;
+  TlsFiles tls;
+};
+
+class SecurityArguments {
+ public:
+  void add_to(CLI::App& app);
+  /// After parsing. Errors: kInvalidArgument; the message names the option.
+  Result<SecurityOptions> options() const;
+
+ private:
+  std::string tls_listen_, certificate_, key_;
+};
+
+}  // namespace farfield
