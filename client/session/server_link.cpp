@@ -138,6 +138,7 @@ void ServerLink::start_session(std::shared_ptr<Stream> stream) {
   hello.set_resume_token(resume_token_);
   for (const ContentHash key : events_.held(std::min(held_limit_, kMostHeldHashes))) hello.add_held(key);
   hello.set_store_bytes(options_.store_bytes);
+  hello.set_access_token(options_.access_token);
   connection->send(make_message(MessageType::kHello, hello));
   asio::co_spawn(context_, beat(self, connection), asio::detached);
 }

@@ -55,6 +55,7 @@ void write_metrics(PrometheusText& out, const SessionMetrics& m) {
   out.counter("farfield_sessions_total", "Sessions welcomed.", number(m.sessions));
   out.counter("farfield_sessions_resumed_total", "Of these, continued after a cut.", number(m.resumed_sessions));
   out.counter("farfield_sessions_refused_total", "Connections sent away: full or draining.", number(m.refused_sessions));
+  out.counter("farfield_access_refused_total", "Connections without a valid access token.", number(m.refused_tokens));
   out.counter("farfield_tls_handshakes_failed_total", "Cut, too slow, or no TLS at all.", number(m.failed_handshakes));
 
   out.counter("farfield_network_bytes_total", "Bytes on client sockets.", number(m.traffic->bytes_in), {"direction", "in"});

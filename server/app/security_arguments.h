@@ -8,12 +8,15 @@
 
 #include "common/net/endpoint.h"
 #include "common/net/tls.h"
+#include "server/access/client_limits.h"
 
 namespace farfield {
 
 struct SecurityOptions {
   std::optional<Endpoint> tls_listen;
   TlsFiles tls;
+  std::filesystem::path tokens;  // empty: everybody may come in
+  ClientPolicy per_address;
 };
 
 class SecurityArguments {
@@ -23,7 +26,8 @@ class SecurityArguments {
   Result<SecurityOptions> options() const;
 
  private:
-  std::string tls_listen_, certificate_, key_;
+  std::string tls_listen_, certificate_, key_, tokens_;
+  ClientPolicy per_address_;
 };
 
 }  // namespace farfield

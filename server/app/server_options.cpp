@@ -22,10 +22,10 @@ constexpr const char* kFooter = R"(Examples:
   farfield-server --scene plant=pipes:1000000:1 --scene town=tile.city.json --listen 0.0.0.0:7400
   farfield-server --scene plant.glb --store /var/cache/farfield --store-bytes 100GiB
   farfield-server --scene plant.glb --redis cache.example:6379     # one of several that share what they make
-  farfield-server --scene plant.glb --tls-listen 0.0.0.0:7443 --tls-cert fullchain.pem --tls-key key.pem
+  farfield-server --scene plant.glb --tls-listen 0.0.0.0:7443 --tls-cert fullchain.pem --tls-key key.pem --tokens tokens
   farfield-server --scene delft.obj --up z --shift -84900,0,447600 --admin 127.0.0.1:7401
 
-SIGHUP reads certificate and key again.
+SIGHUP reads certificate, key and tokens again.
 SIGTERM stops taking clients, tells those connected to come back, and ends.
 Exit codes: 0 told to stop, 1 failed, 2 wrong usage, 130 interrupted.)";
 

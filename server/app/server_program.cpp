@@ -3,6 +3,7 @@
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <asio/io_context.hpp>
 #include <asio/signal_set.hpp>
@@ -113,15 +114,37 @@ int wait_for_signal(asio::io_context& context, asio::signal_set& signals) {
   return received;
 }
 
+/// What is allowed, and seldom meant.
+std::vector<std::string> security_warnings(const ServerProgramOptions& options) {
+  std::vector<std::string> warnings;
+  if (geteuid() == 0) warnings.emplace_back("runs as root, which nothing here needs: start it as a user of its own");
+  if (options.listen && !is_loopback(*options.listen) && !options.security.tokens.empty()) {
+    warnings.push_back(fmt::format("--listen {}: access tokens and the model travel readable by all in between: use --tls-listen", to_string(*options.listen)));
+  }
+  if (options.admin && !is_loopback(*options.admin)) {
+    warnings.push_back(fmt::format("--admin {} asks nobody who they are, and is open to other machines", to_string(*options.admin)));
+  }
+  std::error_code error;
+  const auto permissions = std::filesystem::status(options.security.tls.key, error).permissions();
+  if (options.security.tls_listen && !error && (permissions & std::filesystem::perms::others_read) != std::filesystem::perms::none) {
+    warnings.emplace_back("--tls-key: every user of this machine can read the key: chmod o-r");
+  }
+  return warnings;
+}
+
 /// Reads what may change while the server runs whenever SIGHUP comes.
-void reload_on_hangup(asio::signal_set& hangup, TlsServer* tls, EventLog& log) {
-  hangup.async_wait([&hangup, tls, &log](const asio::error_code& error, int) {
+void reload_on_hangup(asio::signal_set& hangup, TlsServer* tls, TokenRegister* tokens, EventLog& log) {
+  hangup.async_wait([&hangup, tls, tokens, &log](const asio::error_code& error, int) {
     if (error) return;
     if (tls) {
       const Status read = tls->reload();
       log.write(read ? "the certificate was read again: new connections get it" : "the certificate stays as it was: " + read.error().message);
     }
-    reload_on_hangup(hangup, tls, log);
+    if (tokens) {
+      const Status read = tokens->reload();
+      log.write(read ? fmt::format("the list of tokens was read again: {} of them", tokens->size()) : "the list of tokens stays as it was: " + read.error().message);
+    }
+    reload_on_hangup(hangup, tls, tokens, log);
   });
 }
 
@@ -147,7 +170,16 @@ Result<int> run_server(const ServerProgramOptions& options) {
     if (!loaded) return tl::unexpected(loaded.error());
     tls = std::move(*loaded);
   }
+  std::shared_ptr<TokenRegister> tokens;
+  if (!options.security.tokens.empty()) {
+    Result<std::shared_ptr<TokenRegister>> loaded = TokenRegister::load(options.security.tokens);
+    if (!loaded) return fail_within("--tokens", loaded.error());
+    tokens = std::move(*loaded);
+  }
   EventLog log(options.is_json);
+  asio::io_context context{1};
+  asio::signal_set hangup(context, SIGHUP);  // from here on it ends nothing, not even while scenes are loaded
+  for (const std::string& warning : security_warnings(options)) log.write("warning: " + warning);
   const auto prepared = prepared_bytes(options.stores) == 0 ? nullptr : std::make_shared<PreparedScenes>(options.stores.folder, prepared_bytes(options.stores));
   const auto services = build_services(options, prepared, log);
   if (!services) return tl::unexpected(services.error());
@@ -157,10 +189,11 @@ Result<int> run_server(const ServerProgramOptions& options) {
   server_options.limits.sessions = options.sessions;
   server_options.tls_listen = options.security.tls_listen;
   server_options.tls = tls;
+  server_options.tokens = tokens;
+  server_options.limits.per_address = options.security.per_address;
   if (options.is_verbose) server_options.log = [&log](const std::string& line) { log.write(line); };
-  asio::io_context context{1};
-  asio::signal_set signals(context, SIGINT, SIGTERM), hangup(context, SIGHUP);
-  reload_on_hangup(hangup, tls.get(), log);
+  asio::signal_set signals(context, SIGINT, SIGTERM);
+  reload_on_hangup(hangup, tls.get(), tokens.get(), log);
   const Result<std::unique_ptr<Server>> server = Server::start(server_options, {services->begin(), services->end()});
   if (!server) return tl::unexpected(server.error());
 

@@ -71,6 +71,11 @@ void LeafTracker::demand() {
     events_.on_enter(std::move(known));
     return;
   }
+  if (const auto wait = events_.may_view ? events_.may_view(now) : TokenBucket::Clock::duration(0); wait.count() > 0) {
+    ++metrics_.leaves_deferred;
+    events_.on_wait(wait);
+    return;
+  }
   // What goes, goes only after the newest was asked, which may join the same work. The oldest is nearest to its answer.
   Question question{next_number_++, finest, 0.0, {}};
   question.ticket = ask(viewpoint, WorkPriority{-kPlanOverdue_s, 1.0f, false}, question.number);

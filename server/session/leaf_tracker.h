@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "common/math/camera.h"
+#include "server/access/token_bucket.h"
 #include "server/schedule/prefetch_planner.h"
 #include "server/session/payload_pump.h"
-#include "server/session/token_bucket.h"
 
 namespace farfield {
 
@@ -32,6 +32,8 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
     std::function<void(const Error&)> on_failure;
     /// Ask move() again after this time: the rate of leaf changes is used up.
     std::function<void(TokenBucket::Clock::duration)> on_wait;
+    /// Asked before a leaf that may cost work. Returns: zero if it may, else how long to wait; may be empty.
+    std::function<TokenBucket::Clock::duration(TokenBucket::Clock::time_point)> may_view = {};
   };
   LeafTracker(asio::any_io_executor executor, std::shared_ptr<CellService> service, std::shared_ptr<PayloadPump> pump,
               PrefetchPlanner& planner, const ServerLimits& limits, SessionMetrics& metrics, Events events,

@@ -13,12 +13,14 @@
 #include <string>
 #include <unordered_map>
 
+#include "server/access/access_token.h"
 #include "server/cells/leaf_plan.h"
 
 namespace farfield {
 
 struct ResumeState {
   std::string scene;
+  TokenDigest owner{};                   // whose access token began it; zeros where there are none
   std::uint64_t next_serial = 1;
   std::shared_ptr<const LeafPlan> leaf;  // the last the viewer was in; may be null
 };

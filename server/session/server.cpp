@@ -30,13 +30,15 @@ struct Server::State {
   State(ServerOptions server_options, std::vector<std::shared_ptr<CellService>> scenes)
       : options(std::move(server_options)),
         registry(options.limits.resumable, options.limits.resume_for),
-        world{std::move(scenes), options.limits, metrics, registry, options.log},
+        address_limits(ClientLimits::create(options.limits.per_address, "address")),
+        world{std::move(scenes), options.limits, metrics, registry, options.tokens, ClientLimits::create(options.limits.per_token, "token"), options.log},
         context(std::make_shared<asio::io_context>(options.threads)),
         work(asio::make_work_guard(*context)) {}
 
   ServerOptions options;
   SessionMetrics metrics;
   ResumeRegistry registry;
+  std::shared_ptr<ClientLimits> address_limits;
   SessionWorld world;
   std::shared_ptr<asio::io_context> context;
   asio::executor_work_guard<asio::io_context::executor_type> work;
@@ -59,9 +61,11 @@ struct Server::State {
   Status add_door(const Endpoint& listen, bool is_tls);
   static asio::awaitable<void> accept(State* state, Door* door);
   void open(tcp::socket socket, bool is_tls);
-  static asio::awaitable<void> secure(State* state, std::shared_ptr<Stream> stream);
-  void open(std::shared_ptr<Stream> stream);
-  void refuse(std::shared_ptr<Connection> connection);
+  using Visit = std::shared_ptr<ClientLimits::Visit>;  // null: of an address without limits
+  static asio::awaitable<void> secure(State* state, std::shared_ptr<Stream> stream, Visit visit);
+  void open(std::shared_ptr<Stream> stream, Visit visit);
+  tl::expected<Visit, Refusal> enter(const tcp::socket& socket);
+  void refuse(std::shared_ptr<Connection> connection, const Refusal& refusal);
   std::vector<std::shared_ptr<Session>> open_sessions();
   void stop_listening();
   void log(const std::string& line) const {
@@ -96,7 +100,17 @@ asio::awaitable<void> Server::State::accept(State* state, Door* door) {
 }
 
 void Server::State::open(tcp::socket socket, bool is_tls) {
-  if (!is_tls) return open(std::make_shared<Stream>(std::move(socket)));
+  tl::expected<Visit, Refusal> visit = enter(socket);
+  if (!visit && is_tls) {
+    ++metrics.refused_sessions;
+    return;  // as below
+  }
+  if (!visit) {
+    const auto connection = Connection::create(std::move(socket), {});
+    asio::post(connection->executor(), [this, connection, refusal = visit.error()] { refuse(connection, refusal); });
+    return;
+  }
+  if (!is_tls) return open(std::make_shared<Stream>(std::move(socket)), std::move(*visit));
   auto stream = std::make_shared<Stream>(options.tls->wrap(std::move(socket)));
   {
     const std::lock_guard lock(mutex);
@@ -107,24 +121,31 @@ void Server::State::open(tcp::socket socket, bool is_tls) {
     handshakes.insert(stream);
   }
   const asio::any_io_executor executor = stream->socket().get_executor();
-  asio::co_spawn(executor, secure(this, std::move(stream)), asio::detached);
+  asio::co_spawn(executor, secure(this, std::move(stream), std::move(*visit)), asio::detached);
 }
 
-asio::awaitable<void> Server::State::secure(State* state, std::shared_ptr<Stream> stream) {
+tl::expected<Server::State::Visit, Refusal> Server::State::enter(const tcp::socket& socket) {
+  asio::error_code error;
+  const asio::ip::address address = socket.remote_endpoint(error).address();
+  if (error || (address.is_loopback() && !options.limits.limits_loopback)) return Visit();
+  return address_limits->enter(key_of(address), ClientLimits::Clock::now());
+}
+
+asio::awaitable<void> Server::State::secure(State* state, std::shared_ptr<Stream> stream, Visit visit) {
   const Status shaken = co_await shake_hands(stream, true, state->options.limits.handshake_timeout);
   {
     const std::lock_guard lock(state->mutex);
     state->handshakes.erase(stream);
   }
   if (shaken) {
-    state->open(std::move(stream));
+    state->open(std::move(stream), std::move(visit));
   } else {
     ++state->metrics.failed_handshakes;
     state->log("refused: " + shaken.error().message);
   }
 }
 
-void Server::State::open(std::shared_ptr<Stream> stream) {
+void Server::State::open(std::shared_ptr<Stream> stream, Visit visit) {
   ConnectionOptions connection_options;
   connection_options.receive_limits = kFromClientLimits;
   connection_options.outbox_bytes = options.limits.outbox_bytes;
@@ -139,13 +160,14 @@ void Server::State::open(std::shared_ptr<Stream> stream) {
     if (sessions.size() < options.limits.sessions && !is_draining) {
       number = next_session++;
       // Serials of different sessions never meet, so a client that could not resume does not confuse them.
-      session = std::make_shared<Session>(context, connection, world, (number << 32) + 1);
+      session = std::make_shared<Session>(context, connection, world, (number << 32) + 1, std::move(visit));
       sessions[number] = session;
     }
   }
   const asio::any_io_executor executor = connection->executor();
   if (!session) {
-    asio::post(executor, [this, connection] { refuse(connection); });
+    const std::string reason = is_draining ? "this server is shutting down" : "this server is full";
+    asio::post(executor, [this, connection, reason] { refuse(connection, {reason, std::chrono::seconds(5)}); });
     return;
   }
   ++metrics.open_sessions;
@@ -159,12 +181,11 @@ void Server::State::open(std::shared_ptr<Stream> stream) {
   });
 }
 
-void Server::State::refuse(std::shared_ptr<Connection> connection) {
+void Server::State::refuse(std::shared_ptr<Connection> connection, const Refusal& refusal) {
   ++metrics.refused_sessions;
   connection->start({});
-  const std::string reason = is_draining ? "this server is shutting down" : "this server is full";
-  connection->send(go_away_message(reason, "", std::chrono::seconds(5)));
-  connection->close_after_flush({ErrorCode::kUnavailable, reason}, std::chrono::seconds(1));
+  connection->send(go_away_message(refusal.reason, "", refusal.retry_after));
+  connection->close_after_flush({ErrorCode::kUnavailable, refusal.reason}, std::chrono::seconds(1));
 }
 
 std::vector<std::shared_ptr<Session>> Server::State::open_sessions() {

@@ -13,6 +13,7 @@
 
 #include "common/net/endpoint.h"
 #include "common/net/tls.h"
+#include "server/access/token_register.h"
 #include "server/schedule/cell_service.h"
 #include "server/session/server_limits.h"
 #include "server/session/session_metrics.h"
@@ -23,6 +24,7 @@ struct ServerOptions {
   std::optional<Endpoint> listen = Endpoint{};  // plain; port 0: any free one; empty: TLS only
   std::optional<Endpoint> tls_listen;   // needs `tls`
   std::shared_ptr<TlsServer> tls;
+  std::shared_ptr<TokenRegister> tokens;  // null: everybody may come in
   int threads = 1;                      // network threads: they only copy bytes and parse small messages
   ServerLimits limits;
   std::function<void(const std::string&)> log;  // one line per event; thread-safe; may be empty

@@ -6,11 +6,18 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "server/access/client_limits.h"
+
 namespace farfield {
 
 struct ServerLimits {
   std::size_t sessions = 1000;
   std::size_t handshakes = 256;          // of TLS, under way at one time; beyond it connections are closed unheard
+  // ── per client, over all its sessions ──
+  ClientPolicy per_address;
+  ClientPolicy per_token{.connections = 250, .connects_per_second = 20, .connect_burst = 250, .views_per_second = 200};
+  /// Loopback is no one client: a proxy on this machine stands for all of its own, and everybody here is trusted more.
+  bool limits_loopback = false;
   // ── announced ──
   std::uint32_t held = 65536;            // hashes in Hello.held and Evicted: half the largest message
   std::uint32_t poses_per_second = 30;   // a walker moves 5 cm between two of them

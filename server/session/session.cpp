@@ -16,13 +16,14 @@
 namespace farfield {
 
 Session::Session(std::shared_ptr<asio::io_context> context, std::shared_ptr<Connection> connection,
-                 const SessionWorld& world, std::uint64_t first_serial)
+                 const SessionWorld& world, std::uint64_t first_serial, std::shared_ptr<ClientLimits::Visit> visit)
     : context_(std::move(context)),
       connection_(std::move(connection)),
       world_(world),
       first_serial_(first_serial),
       watch_timer_(connection_->executor()),
       pose_timer_(connection_->executor()),
+      address_visit_(std::move(visit)),
       pose_rate_(world.limits.poses_per_second) {}
 
 void Session::start(std::function<void()> on_closed) {
@@ -61,6 +62,10 @@ void Session::check_silence() {
     refuse({ErrorCode::kUnavailable, "no Hello arrived in time"});
     return;
   }
+  if (admission_ && !world_.tokens->is_valid(*admission_)) {
+    refuse(access_refused());
+    return;
+  }
   const Clock::duration silence = connection_->since_received();
   if (silence > limits.give_up_after || connection_->write_stalled() > limits.give_up_after) {
     connection_->close({ErrorCode::kUnavailable, "the client has fallen silent"});
@@ -80,6 +85,13 @@ void Session::refuse(const Error& error) {
   connection_->discard(Lane::kPrefetch);
   connection_->send(failure_message(error, true));
   connection_->close_after_flush(error, std::chrono::seconds(2));
+}
+
+void Session::send_away(const Refusal& refusal) {
+  ++world_.metrics.refused_sessions;
+  log(fmt::format("sent away: {}", refusal.reason));
+  connection_->send(go_away_message(refusal.reason, "", refusal.retry_after));
+  connection_->close_after_flush({ErrorCode::kUnavailable, refusal.reason}, std::chrono::seconds(1));
 }
 
 void Session::drain(std::string reason, std::chrono::milliseconds grace) {
@@ -104,6 +116,8 @@ void Session::close(const Error& reason) {
   if (!token_.empty()) world_.registry.close(token_, Clock::now());
   watch_timer_.cancel();
   pose_timer_.cancel();
+  address_visit_.reset();
+  token_visit_.reset();
   if (const auto closed = std::exchange(on_closed_, nullptr)) closed();
 }
 

@@ -17,6 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "server/access/client_limits.h"
+#include "server/access/token_register.h"
 #include "server/session/leaf_tracker.h"
 #include "server/session/payload_pump.h"
 #include "server/session/resume_registry.h"
@@ -29,14 +31,16 @@ struct SessionWorld {
   ServerLimits limits;
   SessionMetrics& metrics;
   ResumeRegistry& registry;
+  std::shared_ptr<TokenRegister> tokens;                // null: everybody may come in
+  std::shared_ptr<ClientLimits> token_limits;           // of one token over all its sessions; null where `tokens` is
   std::function<void(const std::string&)> log;          // one line per event; may be empty; thread-safe
 };
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  /// `first_serial`: of a new session's leaf sets; apart from those of all other sessions.
+  /// `first_serial`: of a new session's leaf sets; apart from those of all other sessions. `visit`: the address's, may be null.
   Session(std::shared_ptr<asio::io_context> context, std::shared_ptr<Connection> connection, const SessionWorld& world,
-          std::uint64_t first_serial);
+          std::uint64_t first_serial, std::shared_ptr<ClientLimits::Visit> visit);
 
   void start(std::function<void()> on_closed);
 
@@ -53,10 +57,15 @@ class Session : public std::enable_shared_from_this<Session> {
   void receive(IncomingFrame frame);
   Status dispatch(const IncomingFrame& frame);
   Status handle_hello(const IncomingFrame& frame);
+  /// Who does not come in has been told why, and Hello is not looked at any further.
+  bool admit(const std::string& access_token);
+  Clock::duration wait_for_view(Clock::time_point now);
+  void send_away(const Refusal& refusal);
   Status handle_pose(const IncomingFrame& frame);
   Status handle_evicted(const IncomingFrame& frame);
   Status handle_ping(const IncomingFrame& frame);
   void take_pose();
+  TokenDigest owner() const { return admission_ ? admission_->entry.digest : TokenDigest{}; }
   void start_streaming(const std::optional<ResumeState>& resumed);
   void enter(std::shared_ptr<const LeafPlan> plan);
   void wait_and_move(Clock::duration wait);
@@ -71,6 +80,8 @@ class Session : public std::enable_shared_from_this<Session> {
   const std::uint64_t first_serial_;
   std::function<void()> on_closed_;
   asio::steady_timer watch_timer_, pose_timer_;
+  std::shared_ptr<ClientLimits::Visit> address_visit_, token_visit_;
+  std::optional<Admission> admission_;  // where tokens are asked for, from Hello on
   Clock::time_point started_ = Clock::now();
   Clock::time_point last_ping_{};
   std::uint64_t pings_ = 0;

@@ -80,6 +80,8 @@ Status Session::handle_hello(const IncomingFrame& frame) {
   program_ = printable(hello->program());
   const Result<std::uint32_t> version = common_version(hello->version_min(), hello->version_max());
   if (!version) return tl::unexpected(version.error());
+  // Before anything that depends on what is served here.
+  if (!admit(hello->access_token())) return {};
   if (static_cast<std::uint32_t>(hello->held_size()) > world_.limits.held) {
     return fail(ErrorCode::kLimitExceeded, "Hello lists {} payloads, at most {} may be listed", hello->held_size(),
                 world_.limits.held);
@@ -89,7 +91,7 @@ Status Session::handle_hello(const IncomingFrame& frame) {
 
   std::optional<ResumeState> resumed;
   if (!hello->resume_token().empty()) resumed = world_.registry.claim(hello->resume_token(), Clock::now());
-  if (resumed && resumed->scene != (*service)->scene().name) resumed.reset();
+  if (resumed && (resumed->scene != (*service)->scene().name || resumed->owner != owner())) resumed.reset();
   ++world_.metrics.sessions;
   if (resumed) ++world_.metrics.resumed_sessions;
 
@@ -105,6 +107,33 @@ Status Session::handle_hello(const IncomingFrame& frame) {
   return {};
 }
 
+bool Session::admit(const std::string& access_token) {
+  if (!world_.tokens) return true;
+  const Clock::time_point now = Clock::now();
+  admission_ = world_.tokens->admit(access_token);
+  if (!admission_ || !allows(admission_->entry.role, Action::kView)) {
+    admission_.reset();
+    ++world_.metrics.refused_tokens;
+    if (address_visit_) address_visit_->note_failure(now);
+    refuse(access_refused());
+    return false;
+  }
+  auto visit = world_.token_limits->enter(admission_->entry.digest, now);
+  if (!visit) {
+    send_away(visit.error());
+    return false;
+  }
+  token_visit_ = std::move(*visit);
+  return true;
+}
+
+Session::Clock::duration Session::wait_for_view(Clock::time_point now) {
+  Clock::duration wait{0};
+  if (token_visit_) wait = token_visit_->view(now);
+  if (address_visit_ && wait == Clock::duration::zero()) wait = address_visit_->view(now);
+  return wait;
+}
+
 void Session::start_streaming(const std::optional<ResumeState>& resumed) {
   token_ = world_.registry.open([weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->supersede();
@@ -116,13 +145,14 @@ void Session::start_streaming(const std::optional<ResumeState>& resumed) {
   events.on_enter = [this](std::shared_ptr<const LeafPlan> plan) { enter(std::move(plan)); };
   events.on_failure = [this](const Error& error) { connection_->send(failure_message(error, false)); };
   events.on_wait = [this](Clock::duration wait) { wait_and_move(wait); };
+  events.may_view = [this](Clock::time_point now) { return wait_for_view(now); };
   tracker_ = std::make_shared<LeafTracker>(connection_->executor(), service_, pump_, *planner_, world_.limits,
                                            world_.metrics, std::move(events), context_);
   pump_->on_spare_capacity([weak = std::weak_ptr<LeafTracker>(tracker_)] {
     if (const auto tracker = weak.lock()) tracker->ask_ahead();
   });
 
-  world_.registry.update(token_, ResumeState{service_->scene().name, pump_->next_serial(), resumed ? resumed->leaf : nullptr});
+  world_.registry.update(token_, ResumeState{service_->scene().name, owner(), pump_->next_serial(), resumed ? resumed->leaf : nullptr});
 }
 
 Status Session::handle_ping(const IncomingFrame& frame) {
@@ -195,7 +225,7 @@ void Session::enter(std::shared_ptr<const LeafPlan> plan) {
     return;
   }
   pump_->enter(std::move(plan));
-  world_.registry.update(token_, ResumeState{service_->scene().name, pump_->next_serial(), pump_->current()});
+  world_.registry.update(token_, ResumeState{service_->scene().name, owner(), pump_->next_serial(), pump_->current()});
 }
 
 }  // namespace farfield

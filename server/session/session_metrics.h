@@ -17,6 +17,7 @@ struct SessionMetrics {
   std::atomic<std::int64_t> open_sessions{0};
   Counter sessions{0}, resumed_sessions{0}, refused_sessions{0};
   Counter failed_handshakes{0};        // of TLS: cut, too slow, no common version, no TLS at all
+  Counter refused_tokens{0};           // Hello with no valid access token
   Counter poses{0}, poses_dropped{0}, leaves_deferred{0};
   Counter leaf_sets{0}, leaf_sets_prefetched{0}, leaf_sets_fallback{0}, leaf_sets_complete{0};
   Counter leaf_sets_reused{0};         // entered, and announced before: no manifest sent

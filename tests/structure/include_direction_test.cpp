@@ -26,7 +26,7 @@ const std::vector<Side> kSides{
     {"common",
      {"base", "math", "cells", "shading", "image", "impostor", "geometry", "codec", "net", "predict", "trace"}},
     {"server",
-     {"model", "scene", "visibility", "cells", "impostor", "encode", "store", "schedule", "session", "admin", "app"}},
+     {"model", "scene", "visibility", "cells", "impostor", "encode", "store", "schedule", "access", "session", "admin", "app"}},
     {"client", {"decode", "store", "session", "load", "gl", "near", "warp", "near_cpu", "warp_gl", "frame", "input", "app"}},
 };
 

@@ -9,7 +9,7 @@
 #include "server/session/held_set.h"
 #include "server/session/payload_order.h"
 #include "server/session/resume_registry.h"
-#include "server/session/token_bucket.h"
+#include "server/access/token_bucket.h"
 #include "tests/unit/server/session/fake_cell_service.h"
 
 namespace farfield {
@@ -69,7 +69,7 @@ TEST(ResumeRegistry, TokensAreSpentOnceAndExpire) {
   const auto now = ResumeRegistry::Clock::now();
   const std::string token = registry.open(nullptr);
   EXPECT_EQ(token.size(), 16u);
-  registry.update(token, ResumeState{"scene", 7, nullptr});
+  registry.update(token, ResumeState{"scene", {}, 7, nullptr});
   registry.close(token, now);
   const auto state = registry.claim(token, now + 59s);
   ASSERT_TRUE(state);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rate limit: so many per second, with a burst of one second's worth. The clock is handed in.
+// A rate limit: so many per second, with a burst of one second's worth or as told. The clock is handed in.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,9 @@ class TokenBucket {
  public:
   using Clock = std::chrono::steady_clock;
 
-  explicit TokenBucket(double per_second) : per_second_(per_second), tokens_(per_second) {}
+  explicit TokenBucket(double per_second) : TokenBucket(per_second, per_second) {}
+  /// Requires: a burst of at least one.
+  TokenBucket(double per_second, double burst) : per_second_(per_second), burst_(burst), tokens_(burst) {}
 
   /// Returns: whether one more is allowed now.
   bool take(Clock::time_point now) {
@@ -19,6 +21,15 @@ class TokenBucket {
     if (tokens_ < 1) return false;
     tokens_ -= 1;
     return true;
+  }
+  /// Whether take() would succeed.
+  bool has(Clock::time_point now) {
+    refill(now);
+    return tokens_ >= 1;
+  }
+  bool is_full(Clock::time_point now) {
+    refill(now);
+    return tokens_ >= burst_;
   }
   /// How long until take() will succeed.
   Clock::duration wait(Clock::time_point now) {
@@ -31,12 +42,12 @@ class TokenBucket {
   void refill(Clock::time_point now) {
     if (last_ != Clock::time_point{} && now > last_) {
       const double gained = std::chrono::duration<double>(now - last_).count() * per_second_;
-      tokens_ = std::min(per_second_, tokens_ + gained);
+      tokens_ = std::min(burst_, tokens_ + gained);
     }
     last_ = std::max(last_, now);
   }
 
-  double per_second_, tokens_;
+  double per_second_, burst_, tokens_;
   Clock::time_point last_{};
 };
 
