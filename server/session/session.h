@@ -60,6 +60,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Who does not come in has been told why, and Hello is not looked at any further.
   bool admit(const std::string& access_token);
   Clock::duration wait_for_view(Clock::time_point now);
+  void report_failed_work(const Error& error);
   void send_away(const Refusal& refusal);
   Status handle_pose(const IncomingFrame& frame);
   Status handle_evicted(const IncomingFrame& frame);

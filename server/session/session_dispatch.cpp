@@ -143,7 +143,7 @@ void Session::start_streaming(const std::optional<ResumeState>& resumed) {
   pump_ = std::make_shared<PayloadPump>(std::move(parts), resumed ? resumed->next_serial : first_serial_);
   LeafTracker::Events events;
   events.on_enter = [this](std::shared_ptr<const LeafPlan> plan) { enter(std::move(plan)); };
-  events.on_failure = [this](const Error& error) { connection_->send(failure_message(error, false)); };
+  events.on_failure = [this](const Error& error) { report_failed_work(error); };
   events.on_wait = [this](Clock::duration wait) { wait_and_move(wait); };
   events.may_view = [this](Clock::time_point now) { return wait_for_view(now); };
   tracker_ = std::make_shared<LeafTracker>(connection_->executor(), service_, pump_, *planner_, world_.limits,
@@ -153,6 +153,14 @@ void Session::start_streaming(const std::optional<ResumeState>& resumed) {
   });
 
   world_.registry.update(token_, ResumeState{service_->scene().name, owner(), pump_->next_serial(), resumed ? resumed->leaf : nullptr});
+}
+
+// Errors of disks, stores and libraries name what only this machine knows; they stay here.
+void Session::report_failed_work(const Error& error) {
+  log(fmt::format("was told of failed work: {}", error.message));
+  const bool is_clients = error.code == ErrorCode::kInvalidArgument || error.code == ErrorCode::kUnavailable || error.code == ErrorCode::kLimitExceeded;
+  const Error told{error.code, is_clients ? error.message : "the cell could not be made; the server's log says why (--verbose)"};
+  connection_->send(failure_message(told, false));
 }
 
 Status Session::handle_ping(const IncomingFrame& frame) {

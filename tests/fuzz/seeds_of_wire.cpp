@@ -31,6 +31,7 @@ wire::Hello hello() {
   message.set_resume_token("0123456789abcdef");
   message.add_held(0x1122334455667788);
   message.set_store_bytes(1 << 20);
+  message.set_access_token("farfield_" + std::string(64, '7'));
   return message;
 }
 
@@ -105,6 +106,10 @@ void add_wire_seeds(Seeds& seeds) {
   add_frames(seeds);
   seeds.push_back({"client_messages", "pose", chosen(0, encoded(pose()))});
   seeds.push_back({"client_messages", "hello", chosen(1, encoded(hello()))});
+  const std::string digest = "sha256:" + std::string(64, 'a');
+  seeds.push_back({"token_file", "two", bytes_of("# who may come in\n" + digest + " alice viewer 2027-01-31T12:00:00Z\nsha256:" + std::string(64, 'B') + "\tbob@example.org admin 2030-02-28 # ops\n")});
+  seeds.push_back({"token_file", "broken", bytes_of(digest + " alice king 2027-02-30\n")});
+  seeds.push_back({"token_file", "days", bytes_of("30d")});
   wire::Evicted evicted;
   for (std::uint64_t key = 1; key < 4; ++key) evicted.add_payloads(key << 40);
   seeds.push_back({"client_messages", "evicted", chosen(2, encoded(evicted))});
