@@ -179,11 +179,11 @@ Result<int> run_server(const ServerProgramOptions& options) {
   EventLog log(options.is_json);
   asio::io_context context{1};
   asio::signal_set hangup(context, SIGHUP);  // from here on it ends nothing, not even while scenes are loaded
-  for (const std::string& warning : security_warnings(options)) log.write("warning: " + warning);
   const auto prepared = prepared_bytes(options.stores) == 0 ? nullptr : std::make_shared<PreparedScenes>(options.stores.folder, prepared_bytes(options.stores));
   const auto services = build_services(options, prepared, log);
   if (!services) return tl::unexpected(services.error());
 
+  for (const std::string& warning : security_warnings(options)) log.write("warning: " + warning);
   ServerOptions server_options;
   server_options.listen = options.listen;
   server_options.limits.sessions = options.sessions;

@@ -121,6 +121,14 @@ TEST_F(SecureProgramsTest, TokensLetInAndStayOutOfEveryLog) {
   }
 }
 
+TEST_F(SecureProgramsTest, WhatIsSeldomMeantIsWarnedOf) {
+  std::filesystem::permissions(certificates_.files().key, std::filesystem::perms::others_read, std::filesystem::perm_options::add);
+  ChildProgram server("farfield-server", serve({"--admin", "0.0.0.0:0"}));
+  wait_listening(server);
+  EXPECT_TRUE(server.wait_for_line("warning: --admin 0.0.0.0:0", 10s, true)) << server.error_out();
+  EXPECT_TRUE(server.wait_for_line("warning: --tls-key", 10s, true)) << server.error_out();
+}
+
 TEST_F(SecureProgramsTest, ATokenDoesNotTravelInClearUnlessSaid) {
   const std::string file = (certificates_.folder() / "token").string();
   std::ofstream(file) << "farfield_secret\n";
