@@ -6,10 +6,11 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 usage() {
   cat <<'TEXT'
-Usage: bash deploy/scale_out.sh [--walkers N] [--paths N] [--seconds S] [--scene SCENE] [--programs DIR] [--json FILE] [--keep DIR]
+Usage: bash deploy/scale_out.sh [--walkers N] [--paths N] [--seconds S] [--scene SCENE] [--face-tiles N] [--cold] [--programs DIR] [--json FILE] [--keep DIR]
 
-Starts three farfield-servers, Redis and HAProxy (Debian's packages, deploy/haproxy/haproxy.cfg) on loopback, walks
-viewers through them, kills one server in the middle with SIGKILL, and reports. Fails (exit 1) if
+Starts Redis and HAProxy (Debian's packages, deploy/haproxy/haproxy.cfg) and three farfield-servers on loopback, bakes
+the paths into Redis, walks viewers through the servers, kills one of them in the middle with SIGKILL, and reports.
+Fails (exit 1) if
 
   a viewer was without a server for 2 s or longer,
   a viewer never came back, or anything arrived damaged,
@@ -21,23 +22,28 @@ What the killed server was making when it died is made again by another, and tol
   --paths N       different paths they walk (default: 20)
   --seconds S     length of the run (default: 60)
   --scene SCENE   model file or KIND:TRIANGLES:SEED (default: pipes:200000:1)
+  --face-tiles N  tiles along a face's edge (default: 4, a third of what a 720p display needs, so that two cores bake 20
+                  paths in about a minute)
+  --cold          bake nothing: all cells are made while viewers wait for them, by whichever server is asked first
   --programs DIR  where farfield-server, farfield-load and farfield-trace are (default: build/release/bin)
   --json FILE     write the report as JSON
   --keep DIR      keep logs and reports there
 TEXT
 }
 
-walkers=100 paths=20 seconds=60 scene=pipes:200000:1 bin=$root/build/release/bin json= keep=
+walkers=100 paths=20 seconds=60 scene=pipes:200000:1 face_tiles=4 is_cold= bin=$root/build/release/bin json= keep=
 while [[ $# -gt 0 ]]; do
   case $1 in
     -h | --help) usage; exit 0 ;;
-    --walkers | --paths | --seconds | --scene | --programs | --json | --keep)
+    --cold) is_cold=yes; shift ;;
+    --walkers | --paths | --seconds | --scene | --face-tiles | --programs | --json | --keep)
       [[ $# -ge 2 ]] || { echo "scale_out: $1 needs a value; see --help" >&2; exit 2; }
       case $1 in
         --walkers) walkers=$2 ;;
         --paths) paths=$2 ;;
         --seconds) seconds=$2 ;;
         --scene) scene=$2 ;;
+        --face-tiles) face_tiles=$2 ;;
         --programs) bin=$2 ;;
         --json) json=$2 ;;
         --keep) keep=$2 ;;
@@ -46,7 +52,7 @@ while [[ $# -gt 0 ]]; do
     *) echo "scale_out: there is no option $1; see --help" >&2; exit 2 ;;
   esac
 done
-for number in "$walkers" "$paths" "$seconds"; do
+for number in "$walkers" "$paths" "$seconds" "$face_tiles"; do
   [[ $number =~ ^[1-9][0-9]*$ ]] || { echo "scale_out: $number: write a whole number from 1" >&2; exit 2; }
 done
 say() { echo "scale_out: $*" >&2; }
@@ -92,7 +98,7 @@ scrape() { curl -sf --max-time 2 "http://127.0.0.1:${admin[$1]}/metrics" -o "$wo
 # ── what runs ──
 
 say "paths through $scene"
-"$bin/farfield-trace" generate "$scene" --count "$paths" --seconds 30 -o "$work/walks" >"$work/trace.log" 2>&1 || fail "no paths: $(tail -n 1 "$work/trace.log")"
+"$bin/farfield-trace" generate "$scene" --count "$paths" --seconds 12 -o "$work/walks" >"$work/trace.log" 2>&1 || fail "no paths: $(tail -n 1 "$work/trace.log")"
 
 redis=$(free_port)
 redis-server --port "$redis" --bind 127.0.0.1 --save '' --appendonly no --dir "$work" --maxmemory 2gb --maxmemory-policy allkeys-lru \
@@ -100,10 +106,18 @@ redis-server --port "$redis" --bind 127.0.0.1 --save '' --appendonly no --dir "$
 process[redis]=$!
 until_true 10 redis-cli -p "$redis" ping || fail "Redis does not answer: $(tail -n 1 "$work/redis.log")"
 
+baked_tiles=0 baked_leaves=0
+if [[ -z $is_cold ]]; then
+  say "baking them into Redis"
+  "$bin/farfield-bake" --scene "$scene" --redis "127.0.0.1:$redis" --face-tiles "$face_tiles" --trace "$work/walks" --json >"$work/bake.json" \
+    2>"$work/bake.log" || fail "not baked: $(tail -n 1 "$work/bake.log")"
+  baked_tiles=$(jq .tiles.made "$work/bake.json") baked_leaves=$(jq .leaves "$work/bake.json")
+fi
+
 declare -A stream admin
 for name in 1 2 3; do
   stream[$name]=$(free_port) admin[$name]=$(free_port)
-  "$bin/farfield-server" --scene "$scene" --listen "127.0.0.1:${stream[$name]}" --admin "127.0.0.1:${admin[$name]}" --memory 512MiB \
+  "$bin/farfield-server" --scene "$scene" --listen "127.0.0.1:${stream[$name]}" --admin "127.0.0.1:${admin[$name]}" --memory 512MiB --face-tiles "$face_tiles" \
     --redis "127.0.0.1:$redis" >"$work/server.$name.out" 2>"$work/server.$name.log" &
   process[server$name]=$!
   export "FARFIELD_SERVER_$name=127.0.0.1:${stream[$name]}" "FARFIELD_HEALTH_HOST_$name=127.0.0.1" "FARFIELD_HEALTH_PORT_$name=${admin[$name]}"
@@ -146,13 +160,14 @@ for name in killed 2 3; do
   twice=$((twice + $(metric farfield_store_rewritten_total 'tier="redis"' "$work/metrics.$name")))
   alone=$((alone + $(metric farfield_leases_missing_total '' "$work/metrics.$name")))
 done
-made=$((tiles[killed] + tiles[2] + tiles[3]))
+[[ $tiles_kept -gt 0 ]] || fail "nothing was stored in Redis"
+made=$((baked_tiles + tiles[killed] + tiles[2] + tiles[3]))
 jq -n --slurpfile load "$work/load.json" --argjson tiles "{\"killed\":${tiles[killed]},\"two\":${tiles[2]},\"three\":${tiles[3]}}" \
-  --argjson plans "{\"killed\":${plans[killed]},\"two\":${plans[2]},\"three\":${plans[3]}}" \
+  --argjson baked "{\"tiles\":$baked_tiles,\"plans\":$baked_leaves}" --argjson plans "{\"killed\":${plans[killed]},\"two\":${plans[2]},\"three\":${plans[3]}}" \
   --argjson kept "{\"tiles\":$tiles_kept,\"plans\":$plans_kept}" --argjson twice "$twice" --argjson alone "$alone" \
   '{format: "farfield-scale-out/1", walkers: $load[0].clients, seconds: $load[0].seconds, away_ms: $load[0].away_ms, reconnects: $load[0].reconnects,
     errors: $load[0].errors, first_picture_ms: $load[0].first_picture_ms, cell_ready_ms: $load[0].cell_ready_ms, late_share: $load[0].late_share,
-    tiles_made: $tiles, plans_made: $plans, kept: $kept, made_twice: $twice, made_without_lease: $alone}' >"$work/report.json"
+    baked: $baked, tiles_made: $tiles, plans_made: $plans, kept: $kept, made_twice: $twice, made_without_lease: $alone}' >"$work/report.json"
 if [[ -n $json ]]; then cp "$work/report.json" "$json"; fi
 
 away=$(jq '.away_ms.max // 0' "$work/report.json")
@@ -162,9 +177,9 @@ cat <<TEXT
 viewers          $walkers on $paths paths, $seconds s; server 1 killed after $((seconds / 2)) s
 lost their server $reconnects times; longest without one: $away ms
 errors           $(jq -c .errors "$work/report.json")
-cell ready       p50 $(jq '.cell_ready_ms.p50' "$work/report.json") ms, p95 $(jq '.cell_ready_ms.p95' "$work/report.json") ms
-tiles made       $made: ${tiles[killed]} by the server that was killed, ${tiles[2]} and ${tiles[3]} by the others; $tiles_kept different ones in Redis
-leaves planned   $((plans[killed] + plans[2] + plans[3])): ${plans[killed]}, ${plans[2]}, ${plans[3]}; $plans_kept different ones in Redis
+cell ready       p50 $(jq '.cell_ready_ms.p50 // "none"' "$work/report.json") ms, p95 $(jq '.cell_ready_ms.p95 // "none"' "$work/report.json") ms; late on $(jq '.late_share * 1000 | round / 10' "$work/report.json") % of frames
+tiles made       $made: $baked_tiles baked, ${tiles[killed]} by the server that was killed, ${tiles[2]} and ${tiles[3]} by the others; $tiles_kept different ones in Redis
+leaves planned   $((baked_leaves + plans[killed] + plans[2] + plans[3])): $baked_leaves baked, ${plans[killed]}, ${plans[2]}, ${plans[3]}; $plans_kept different ones in Redis
 made twice       $twice by servers that lived; made without a lease: $alone
 TEXT
 jq -e --argjson away "$away" -n '$away < 2000' >/dev/null || fail "a viewer was without a server for $away ms"

@@ -16,6 +16,9 @@ constexpr std::chrono::milliseconds kBatchTimeout{2000};
 constexpr std::chrono::milliseconds kBetweenLooks{100};
 constexpr std::chrono::minutes kBetweenComplaints{1};
 
+// What leases are taken for: of the rest, small and quickly made, everybody may make their own.
+bool takes_turns(BlobKind kind) { return kind == BlobKind::kTile || kind == BlobKind::kPlan; }
+
 char letter_of(BlobKind kind) {
   switch (kind) {
     case BlobKind::kTile: return 't';
@@ -213,7 +216,7 @@ bool RedisStore::send(const std::vector<Step>& batch) {
       continue;
     }
     ++statistics_.inserts;
-    if (existed.integer > 0 && !batch[i].was_tried) ++statistics_.rewritten;
+    if (existed.integer > 0 && !batch[i].was_tried && takes_turns(batch[i].key.kind)) ++statistics_.rewritten;
   }
   if (!refusal.empty()) complain(refusal);
   return true;
