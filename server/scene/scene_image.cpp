@@ -3,11 +3,49 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <concepts>
+#include <type_traits>
 
 #include "server/scene/scene_state.h"
 
 namespace farfield {
 namespace {
+
+// Records with gaps between their members go member by member: what lies in the gaps is not the scene's.
+template <class Archive, class Chunk>
+void each_member(Archive&& archive, Chunk& chunk)
+  requires std::same_as<std::remove_const_t<Chunk>, StoredChunk>
+{
+  archive(chunk.first_triangle), archive(chunk.triangle_count), archive(chunk.first_vertex), archive(chunk.vertex_count);
+  archive(chunk.origin), archive(chunk.hash);
+}
+template <class Archive, class Part>
+void each_member(Archive&& archive, Part& part)
+  requires std::same_as<std::remove_const_t<Part>, ScenePart>
+{
+  archive(part.mesh), archive(part.scene_from_mesh), archive(part.bounds);
+}
+template <class Archive, class Chunk>
+void each_member(Archive&& archive, Chunk& chunk)
+  requires std::same_as<std::remove_const_t<Chunk>, SceneChunk>
+{
+  archive(chunk.hash), archive(chunk.part), archive(chunk.stored_chunk), archive(chunk.triangles), archive(chunk.bounds);
+  archive(chunk.cone_axis), archive(chunk.cone_cos), archive(chunk.scene_from_chunk);
+}
+
+template <class Record>
+void put_records(const std::vector<Record>& records, MemoryImageWriter& out) {
+  out.put<std::uint64_t>(records.size());
+  for (const Record& record : records) each_member([&out](const auto& member) { out.put(member); }, record);
+}
+
+template <class Record>
+std::vector<Record> get_records(MemoryImageReader& in) {
+  constexpr std::size_t kMostGapBytes = 8;
+  std::vector<Record> records(in.get_count(sizeof(Record) - kMostGapBytes));
+  for (Record& record : records) each_member([&in](auto& member) { member = in.get<std::remove_reference_t<decltype(member)>>(); }, record);
+  return records;
+}
 
 void write_mesh(const StoredMesh& mesh, MemoryImageWriter& out) {
   out.put<std::int32_t>(mesh.surface.texture);
@@ -17,7 +55,7 @@ void write_mesh(const StoredMesh& mesh, MemoryImageWriter& out) {
   out.put_array(mesh.surfaces);
   out.put_array(mesh.uvs);
   out.put_array(mesh.indices);
-  out.put_array(mesh.chunks);
+  put_records(mesh.chunks, out);
   out.put_array(mesh.chunk_at_block);
 }
 
@@ -71,7 +109,7 @@ StoredMesh read_mesh(MemoryImageReader& in, std::size_t textures) {
   mesh.surfaces = in.get_array<VertexSurface>();
   mesh.uvs = in.get_array<glm::vec2>();
   mesh.indices = in.get_array<std::uint32_t>();
-  mesh.chunks = in.get_array<StoredChunk>();
+  mesh.chunks = get_records<StoredChunk>(in);
   mesh.chunk_at_block = in.get_array<std::uint32_t>();
   const bool has_texture = mesh.surface.texture >= 0;
   in.require(mesh.surface.texture >= -1 && mesh.surface.texture < static_cast<std::int64_t>(textures));
@@ -116,8 +154,8 @@ void Scene::write(MemoryImageWriter& out) const {
   state.textures.write(out);
   out.put<std::uint64_t>(state.meshes.size());
   for (const StoredMesh& mesh : state.meshes) write_mesh(mesh, out);
-  out.put_array(state.parts);
-  out.put_array(state.placed.chunks);
+  put_records(state.parts, out);
+  put_records(state.placed.chunks, out);
 }
 
 Result<std::shared_ptr<const Scene>> Scene::restore(MemoryImageReader& in) {
@@ -135,8 +173,8 @@ Result<std::shared_ptr<const Scene>> Scene::restore(MemoryImageReader& in) {
   std::size_t left = in.get_count(kLeastMeshBytes);
   state.meshes.reserve(left);
   for (; left > 0 && in.is_valid(); --left) state.meshes.push_back(read_mesh(in, state.textures.size()));
-  state.parts = in.get_array<ScenePart>();
-  state.placed.chunks = in.get_array<SceneChunk>();
+  state.parts = get_records<ScenePart>(in);
+  state.placed.chunks = get_records<SceneChunk>(in);
   for (const ScenePart& part : state.parts) {
     in.require(part.mesh < state.meshes.size());
     for (int column = 0; column < 4; ++column) in.require(is_finite(part.scene_from_mesh[column]));

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <glm/glm.hpp>
 #include <glm/mat4x3.hpp>
 #include <memory>
@@ -22,6 +23,7 @@
 #include "common/math/box.h"
 #include "server/cells/leaf_plan.h"
 #include "server/encode/tile_source.h"
+#include "server/schedule/transition_table.h"
 
 namespace farfield {
 
@@ -119,6 +121,15 @@ class CellService {
   [[nodiscard]] virtual Ticket chunk(std::uint32_t chunk, const WorkPriority& priority, Answer<SharedBytes> answer) = 0;
   [[nodiscard]] virtual Ticket texture_level(std::uint32_t texture, int level, const WorkPriority& priority,
                                              Answer<SharedBytes> answer) = 0;
+
+  /// What viewers' ways teach: see transition_table.h. Cheap. A service that learns nothing knows nothing.
+  virtual void note_transition(const std::optional<CellId>& previous, const CellId& current, const CellId& next, const glm::dvec3& entry) {
+    static_cast<void>(previous), static_cast<void>(current), static_cast<void>(next), static_cast<void>(entry);
+  }
+  virtual Departures departures(const std::optional<CellId>& previous, const CellId& current) const {
+    static_cast<void>(previous), static_cast<void>(current);
+    return {};
+  }
 };
 
 }  // namespace farfield

@@ -40,10 +40,14 @@ class ScheduledCellService final : public MeasuredCellService {
     if (!parts_.blobs) return;
     fetched_leaves_.emplace(prompt_queue());
     fetched_tiles_.emplace(prompt_queue());
+    if (const SharedBytes learned = parts_.blobs->find(blob_key(BlobKind::kTransitions, {}))) {
+      static_cast<void>(transitions_.read(*learned));  // another version's: learned again
+    }
     if (parts_.lease) lease_waits_.emplace(parts_.lease);
   }
   ~ScheduledCellService() override {
     if (lease_waits_) lease_waits_->stop();  // what waits there would join the flights again
+    if (transitions_.noted() > 0) keep(BlobKind::kTransitions, {}, transitions_.write());
   }
 
   const SceneDescription& scene() const override { return parts_.scene; }
@@ -85,6 +89,13 @@ class ScheduledCellService final : public MeasuredCellService {
         finest, priority, [this, finest](const CancelFlag&) -> Result<SharedPlan> { return make_fallback(finest); }, std::move(answer));
     return Ticket([this, finest, waiter] { fallbacks_.withdraw(finest, waiter); });
   }
+
+  void note_transition(const std::optional<CellId>& previous, const CellId& current, const CellId& next, const glm::dvec3& entry) override {
+    transitions_.note(previous, current, next, entry);
+    // A server that is killed forgets no more than the last of these.
+    if (parts_.blobs && transitions_.noted() % kNotedBetweenWrites == 0) keep(BlobKind::kTransitions, {}, transitions_.write());
+  }
+  Departures departures(const std::optional<CellId>& previous, const CellId& current) const override { return transitions_.from(previous, current); }
 
   Ticket tile(const TileId& id, const WorkPriority& priority, Answer<SharedTile> answer) override {
     const TileKey key{parts_.scene.hash, id};
@@ -419,6 +430,8 @@ class ScheduledCellService final : public MeasuredCellService {
   const CellGrid grid_;
   PlanCache plan_cache_;
   FallbackCache fallback_cache_;
+  static constexpr std::uint64_t kNotedBetweenWrites = 2048;
+  TransitionTable transitions_;
   CellStatisticsRecorder recorder_;
   struct {
     std::atomic<std::uint64_t> leases{0}, alone{0}, waits{0}, waits_in_vain{0};

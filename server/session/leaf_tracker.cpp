@@ -5,6 +5,8 @@
 #include <asio/post.hpp>
 #include <utility>
 
+#include "server/schedule/likely_ways.h"
+
 namespace farfield {
 namespace {
 
@@ -151,8 +153,26 @@ void LeafTracker::receive_demanded(std::uint64_t number, LeafAnswer plan) {
   if (!is_where_viewer_is && !is_stopped_) demand();  // who stopped meanwhile sends no pose that would
 }
 
+void LeafTracker::note_way() {
+  const std::shared_ptr<const LeafPlan>& current = pump_->current();
+  if (!current || (leaf_ && *leaf_ == current->leaf) || !is_in_current(pose_->position)) return;
+  // Neighbours only: who jumped, or was not told every leaf on the way, teaches nothing.
+  if (leaf_ && grid_.box(*leaf_).intersects(grid_.box(current->leaf))) {
+    service_->note_transition(previous_leaf_, *leaf_, current->leaf, pose_->position);
+    previous_leaf_ = leaf_;
+  } else {
+    previous_leaf_.reset();
+  }
+  leaf_ = current->leaf;
+}
+
 void LeafTracker::look_ahead(double time_s) {
+  note_way();
   targets_ = planner_.update(*pose_, time_s);
+  if (leaf_ && !targets_.empty()) {
+    const LikelyWays ways(grid_, previous_leaf_, *leaf_, [this](const auto& previous, const CellId& leaf) { return service_->departures(previous, leaf); });
+    targets_ = ways.weighed(std::move(targets_), pose_->position, glm::length(planner_.motion().velocity()));
+  }
   const auto is_target_in = [&](const Box& box) {
     return std::any_of(targets_.begin(), targets_.end(), [&](const PrefetchTarget& t) { return box.contains(t.viewpoint); });
   };

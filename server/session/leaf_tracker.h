@@ -59,6 +59,7 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
 
   void demand();
   void look_ahead(double time_s);
+  void note_way();
   void ask_for(const PrefetchTarget& target);
   void ask_fallback();
   Ticket ask(const glm::dvec3& viewpoint, const WorkPriority& priority, std::uint64_t number);
@@ -90,6 +91,7 @@ class LeafTracker : public std::enable_shared_from_this<LeafTracker> {
   /// Finest cells ahead in which nobody can stand, the last few found: not asked about again with every pose.
   static constexpr std::size_t kBlockedKept = 32;
   std::deque<CellId> blocked_;
+  std::optional<CellId> previous_leaf_, leaf_;  // the way so far: the leaf the viewer is in, and the one before
   std::vector<PrefetchTarget> targets_;     // of the newest pose that had any
   bool is_stopped_ = false;
 };

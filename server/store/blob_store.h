@@ -17,7 +17,7 @@
 namespace farfield {
 
 /// Written to disk: never renumbered.
-enum class BlobKind : std::uint8_t { kTile = 1, kPlan = 2, kLeafName = 3, kFallback = 4 };
+enum class BlobKind : std::uint8_t { kTile = 1, kPlan = 2, kLeafName = 3, kFallback = 4, kTransitions = 5 };
 
 /// `world` is the hash of everything the bytes depend on beside kind and name: the scene, the settings and the version that made them.
 /// A changed model has another world, so what was made of the old one is never found.

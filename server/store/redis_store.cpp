@@ -25,6 +25,7 @@ char letter_of(BlobKind kind) {
     case BlobKind::kPlan: return 'p';
     case BlobKind::kLeafName: return 'n';
     case BlobKind::kFallback: return 'f';
+    case BlobKind::kTransitions: return 'w';
   }
   return 'x';
 }

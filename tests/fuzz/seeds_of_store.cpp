@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/scene/scene.h"
+#include "server/schedule/transition_table.h"
 #include "server/store/blob_records.h"
 #include "tests/fuzz/seeds.h"
 
@@ -32,6 +33,11 @@ void add_store_seeds(Seeds& seeds) {
   seeds.push_back({"stored_record", "divided_plan", chosen(1, write_plan_record(plan))});
 
   seeds.push_back({"stored_record", "leaf_name", chosen(2, write_leaf_name_record({plan.leaf, true}))});
+
+  TransitionTable table;
+  table.note(std::nullopt, {.level = 1}, {.level = 1, .x = 1}, {2, 0, 0});
+  table.note(CellId{.level = 1}, {.level = 1, .x = 1}, {.level = 1, .x = 2}, {4, 0, 0});
+  seeds.push_back({"transitions", "two", table.write()});
 
   Model model;
   model.name = "square";
