@@ -16,6 +16,7 @@
 #include "common/net/connect.h"
 #include "server/admin/admin_server.h"
 #include "server/admin/server_metrics.h"
+#include "server/app/supervisor.h"
 #include "server/store/memory_tile_store.h"
 
 namespace farfield {
@@ -208,7 +209,11 @@ Result<int> run_server(const ServerProgramOptions& options) {
   log.write(fmt::format("ready {:.2f} s after the start", ready_seconds));
   print_where(options, **server, admin.get(), ready_seconds);
   if (!std::cout) log.write("warning: where it listens cannot be written to the output");
+  const Supervisor supervisor = Supervisor::from_environment();
+  supervisor.ready(fmt::format("serves {} scenes at {}", services->size(), to_string((*server)->endpoint())));
+  const auto pings = supervisor.keep_pinging([&] { return (*server)->answers_within(std::chrono::seconds(5)); });
   const int signal = wait_for_signal(context, signals);
+  supervisor.stopping();
   if (options.admin && options.drain_accept.count() > 0) {
     // A balancer needs some checks until it sends nobody any more; whoever it sends meanwhile would only be sent back.
     log.write(fmt::format("draining: not ready from now on, viewers are taken for {} s more", options.drain_accept.count()));

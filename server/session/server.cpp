@@ -268,6 +268,12 @@ std::string Server::why_not_ready() const {
   const std::lock_guard lock(state_->mutex);
   return state_->sessions.size() >= state_->options.limits.sessions ? "full" : "";
 }
+bool Server::answers_within(std::chrono::milliseconds patience) const {
+  const auto answered = std::make_shared<std::promise<void>>();
+  std::future<void> answer = answered->get_future();
+  asio::post(*state_->context, [answered] { answered->set_value(); });
+  return answer.wait_for(patience) == std::future_status::ready;
+}
 void Server::announce_drain() { state_->is_leaving = true; }
 
 void Server::drain(const std::string& reason, std::chrono::milliseconds grace) {

@@ -44,6 +44,8 @@ class Server {
   const SessionMetrics& metrics() const;
   /// Why new viewers should go elsewhere, in a word or two; empty: they are welcome.
   std::string why_not_ready() const;
+  /// Whether a network thread takes up work within this time. Blocks that long at most; not from a network thread.
+  bool answers_within(std::chrono::milliseconds patience) const;
   /// From now on not ready, and nothing else: whoever still comes is served.
   void announce_drain();
   /// Takes no new connections, tells every client to come back later, and returns when all are gone or `grace` is
