@@ -277,6 +277,7 @@ struct StoredServiceTest : CellServiceTest {
     scene.settings.finest_side_m = 1.0;
     service = make_cell_service({.scene = scene, .geometry = std::make_shared<const FakeGeometry>(), .leaves = leaves, .tiles = tiles,
                                  .store = store, .pool = pool, .blobs = blobs, .prompt_pool = prompt_pool});
+    blobs->asked = 0;  // not what it asks for to begin with
   }
   SharedTile tile_now(std::uint8_t x) {
     std::atomic<bool> is_answered{false};
