@@ -122,7 +122,8 @@ class CellService {
   [[nodiscard]] virtual Ticket texture_level(std::uint32_t texture, int level, const WorkPriority& priority,
                                              Answer<SharedBytes> answer) = 0;
 
-  /// What viewers' ways teach: see transition_table.h. Cheap. A service that learns nothing knows nothing.
+  /// What viewers' ways teach: see transition_table.h. Microseconds, but for some milliseconds
+  /// now and then when all of it is handed to the store. A service that learns nothing knows nothing.
   virtual void note_transition(const std::optional<CellId>& previous, const CellId& current, const CellId& next, const glm::dvec3& entry) {
     static_cast<void>(previous), static_cast<void>(current), static_cast<void>(next), static_cast<void>(entry);
   }

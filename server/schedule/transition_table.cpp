@@ -4,21 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/cells/cell_bytes.h"
+
 namespace farfield {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
-constexpr std::size_t kCellBytes = 13, kCountBytes = kCellBytes + 3 * 8 + 4;
+constexpr std::size_t kCountBytes = kCellBytes + 3 * 8 + 4;
 constexpr std::uint8_t kNoLevel = 255;
-
-void put_cell(ByteWriter& out, const CellId& cell) { out.put(cell.level), out.put(cell.x), out.put(cell.y), out.put(cell.z); }
-
-CellId get_cell(ByteReader& in) {
-  CellId cell;
-  cell.level = in.get<std::uint8_t>();
-  cell.x = in.get<std::int32_t>(), cell.y = in.get<std::int32_t>(), cell.z = in.get<std::int32_t>();
-  return cell;
-}
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/cells/cell_bytes.h"
+
 namespace farfield {
 namespace {
 
@@ -12,15 +14,6 @@ constexpr std::uint8_t kExceedsBudget = 1, kBackgroundVisible = 2, kIsFallback =
 constexpr std::size_t kTileBytes = 21, kLeastPlanBytes = 40;  // of one in a plan's lists, at least
 
 tl::unexpected<Error> bad(const char* what) { return fail(ErrorCode::kBadData, "a stored {} is not what this version writes", what); }
-
-void put_cell(ByteWriter& out, const CellId& cell) { out.put(cell.level), out.put(cell.x), out.put(cell.y), out.put(cell.z); }
-
-CellId get_cell(ByteReader& in) {
-  CellId cell;
-  cell.level = in.get<std::uint8_t>();
-  cell.x = in.get<std::int32_t>(), cell.y = in.get<std::int32_t>(), cell.z = in.get<std::int32_t>();
-  return cell;
-}
 
 bool is_cell(const CellId& cell) { return cell.level <= kMaxCellLevel; }
 
